@@ -243,29 +243,69 @@ TEST(BumpMaps, HaveTheSlopesThatTheirWrappingGives) {
     prep::Image image{4, 1, 2, {}};
     for (const float h : {1.0f, 2.0f, 5.0f, 3.0f})
         image.pixels.insert(image.pixels.end(), {h, 9.0f});
+    using Values = std::vector<float>;
+    // Over a unit of the heights' own picture.
     const auto along_u = [&](prep::Wrap wrap) {
-        const prep::Image out = rast::detail::slopes_of(image, {.wrap_u = wrap, .wrap_v = wrap});
-        std::vector<float> values;
-        for (std::uint32_t x = 0; x < 4; ++x) {
-            values.push_back(out.at(x, 0)[0]);
-            EXPECT_EQ(out.at(x, 0)[1], 0);
+        const rast::detail::Slopes slopes =
+            rast::detail::slopes_of(image, {.wrap_u = wrap, .wrap_v = prep::Wrap::repeat});
+        Values values;
+        for (std::uint32_t x = 0; x < slopes.image.width; ++x) {
+            values.push_back(slopes.image.at(x, 0)[0] * 4 / float(slopes.image.width));
+            EXPECT_EQ(slopes.image.at(x, 0)[1], 0);
         }
+        EXPECT_EQ(slopes.image.height, 1u);
         return values;
     };
-    // Differences over two texels, a fourth of a unit each.
-    const std::vector<float> repeated{(2 - 3) * 2, (5 - 1) * 2, (3 - 2) * 2, (1 - 5) * 2};
-    const std::vector<float> ended{(2 - 1) * 2, (5 - 1) * 2, (3 - 2) * 2, (3 - 5) * 2};
-    EXPECT_EQ(along_u(prep::Wrap::repeat), repeated);
-    EXPECT_EQ(along_u(prep::Wrap::mirror), ended);
-    EXPECT_EQ(along_u(prep::Wrap::clamp), ended);
-    EXPECT_EQ(along_u(prep::Wrap::border), ended);
+    // Differences over two texels, a fourth of a unit each. In a mirrored copy slopes turn.
+    const Values repeated{(2 - 3) * 2, (5 - 1) * 2, (3 - 2) * 2, (1 - 5) * 2};
+    const Values mirrored{2, 8, 2, -4, 4, -2, -8, -2}, clamped{2, 8, 2, -4};
+    const auto expect = [](const Values& values, const Values& expected) {
+        ASSERT_EQ(values.size(), expected.size());
+        for (std::size_t i = 0; i < values.size(); ++i)
+            EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
+    };
+    expect(along_u(prep::Wrap::repeat), repeated);
+    expect(along_u(prep::Wrap::mirror), mirrored);
+    expect(along_u(prep::Wrap::clamp), clamped);
+    expect(along_u(prep::Wrap::border), clamped);
+    const Values beside_none{0, 8, 0, -4};
     image.pixels[2] = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_EQ(along_u(prep::Wrap::clamp), (std::vector<float>{0, 8, 0, -4}));
+    expect(along_u(prep::Wrap::clamp), beside_none);
     image.pixels[2] = -std::numeric_limits<float>::infinity();
-    EXPECT_EQ(along_u(prep::Wrap::clamp), (std::vector<float>{0, 8, 0, -4}));
+    expect(along_u(prep::Wrap::clamp), beside_none);
     // Sums of what filters read would leave float's range.
     image.pixels[2] = 0.8e38f;
-    EXPECT_EQ(along_u(prep::Wrap::clamp), (std::vector<float>{0, 8, 0, -4}));
+    expect(along_u(prep::Wrap::clamp), beside_none);
+}
+
+// A ramp of one height a unit: the plane of its first copy leans back in a mirrored one.
+TEST(BumpMaps, TurnInMirroredCopies) {
+    std::vector<float> ramp;
+    for (int x = 0; x < 32; ++x) ramp.push_back((float(x) + 0.5f) / 32);
+    // u from 0 to 2 over the square's width of 2, so that a unit of u is one of x.
+    const glm::dmat2 place(1, 0, 0, 1);
+    for (const prep::Wrap wrap : {prep::Wrap::repeat, prep::Wrap::mirror}) {
+        prep::TextureRef bump;
+        bump.strength = 0.5f;
+        prep::PreparedScene scene = sheared_square(place, {1, 0.5}, heights_of(32, 1, ramp), bump);
+        scene.scene.textures[0].wrap_u = scene.scene.textures[0].wrap_v = wrap;
+        rast::RenderRequest request = front_request({0, 0, 1});
+        request.keep_normals = true;
+        for (const rast::TextureFilter filter :
+             {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+              rast::TextureFilter::bicubic, rast::TextureFilter::trilinear,
+              rast::TextureFilter::ewa}) {
+            request.filter = filter;
+            const rast::Frame frame = draw(scene, request);
+            const double beyond = wrap == prep::Wrap::mirror ? -0.5 : 0.5;
+            for (const std::uint32_t x : {8u, 12u, 27u, 32u}) {
+                const double slope = x < 20 ? 0.5 : beyond;
+                const glm::dvec3 n(frame.normal[20 * frame.width + x]);
+                EXPECT_LT(degrees_between(n, {-slope, 0, 1}), 0.1)
+                    << "column " << x << ", wrap " << int(wrap) << ", filter " << int(filter);
+            }
+        }
+    }
 }
 
 // A light that shines along a surface reaches what bumps turn towards it.

@@ -31,7 +31,7 @@ inline Arriving arriving(const LightInstance& light, const glm::dvec3& p) {
     if (light.kind == LightKind::spot) {
         const double inner = std::cos(double(light.inner_cone)),
                      outer = std::cos(double(light.outer_cone));
-        const double scale = 1 / std::max(0.001, inner - outer), offset_of_it = -outer * scale;
+        const double scale = 1 / std::max(0x1p-20, inner - outer), offset_of_it = -outer * scale;
         const double cosine = glm::dot(light.direction, -towards);
         const double angular = std::clamp(cosine * scale + offset_of_it, 0.0, 1.0);
         attenuation *= angular * angular;

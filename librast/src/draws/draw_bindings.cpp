@@ -24,14 +24,15 @@ class Binder {
         if (at >= textures_.size() || !textures_[at]) return false;
         MapPlace place;
         place.uv = &mesh_.uvs[ref.uv_set][0].x;
-        // KHR_texture_transform: offset + rotation · scale · uv.
+        const glm::vec2 units = textures_[at]->units();
+        // KHR_texture_transform: offset + rotation · scale · uv; in the picture's own units.
         const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
-        place.matrix[0] = float(c * ref.scale.x);
-        place.matrix[1] = float(s * ref.scale.y);
-        place.matrix[2] = float(-s * ref.scale.x);
-        place.matrix[3] = float(c * ref.scale.y);
-        place.offset[0] = ref.offset.x;
-        place.offset[1] = ref.offset.y;
+        place.matrix[0] = float(c * ref.scale.x) / units.x;
+        place.matrix[1] = float(s * ref.scale.y) / units.x;
+        place.matrix[2] = float(-s * ref.scale.x) / units.y;
+        place.matrix[3] = float(c * ref.scale.y) / units.y;
+        place.offset[0] = ref.offset.x / units.x;
+        place.offset[1] = ref.offset.y / units.y;
         set(kind, *textures_[at], place, ref.strength);
         return true;
     }
@@ -150,9 +151,12 @@ void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
             if (light.range > 0) s.inv_range = 1 / light.range;
         }
         if (light.kind == prep::LightKind::spot) {
-            // KHR_lights_punctual's falloff between the cones.
+            // KHR_lights_punctual's falloff between the cones. Its sample code takes a difference
+            // of at least 0.001: cones of less than 2.5 degrees would be dark on their axis, where
+            // its text has all of the light. Here it is what floats of cosines tell apart.
+            constexpr double least = 0x1p-20;
             const double outer = std::cos(double(light.outer_cone));
-            const double scale = 1 / std::max(0.001, std::cos(double(light.inner_cone)) - outer);
+            const double scale = 1 / std::max(least, std::cos(double(light.inner_cone)) - outer);
             s.cone_scale = float(scale);
             s.cone_offset = float(-outer * scale);
         }

@@ -241,10 +241,14 @@ void Renderer::load_texture(std::size_t slot) {
     }
     kept.read_ms = milliseconds_since(reading);
     const Clock::time_point making = Clock::now();
-    if (image && bump) image = slopes_of(*image, texture);
-    if (image)
+    if (image && bump) {
+        const Slopes slopes = slopes_of(*image, texture);
+        kept.texture =
+            std::make_shared<MipTexture>(slopes.image, slopes.sampler, false, levels, slopes.units);
+    } else if (image) {
         kept.texture =
             std::make_shared<MipTexture>(*image, texture, colour && !image->floating, levels);
+    }
     kept.levels_ms = milliseconds_since(making);
 }
 

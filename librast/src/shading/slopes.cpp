@@ -14,31 +14,40 @@ float kept(double slope) {
     return std::abs(slope) <= steepest ? float(slope) : 0.0f;  // NaN fails
 }
 
+// One axis of the picture of slopes.
+struct Axis {
+    std::uint32_t units, size;
+    prep::Wrap heights, slopes;
+};
+
+Axis axis_of(std::uint32_t size, prep::Wrap wrap) {
+    if (wrap == prep::Wrap::mirror) return {2, 2 * size, wrap, prep::Wrap::repeat};
+    return {1, size, wrap == prep::Wrap::border ? prep::Wrap::clamp : wrap, wrap};
+}
+
 }  // namespace
 
-prep::Image slopes_of(const prep::Image& heights, const prep::Texture& sampler) {
-    prep::Image out;
-    out.width = heights.width;
-    out.height = heights.height;
-    out.channels = 3;
-    out.floating = true;
-    out.pixels.assign(std::size_t(out.width) * out.height * 3, 0.0f);
-    const auto wrap_of = [](prep::Wrap wrap) {
-        return wrap == prep::Wrap::border ? prep::Wrap::clamp : wrap;
-    };
-    const prep::Wrap wrap_u = wrap_of(sampler.wrap_u), wrap_v = wrap_of(sampler.wrap_v);
+Slopes slopes_of(const prep::Image& heights, const prep::Texture& sampler) {
+    const Axis u = axis_of(heights.width, sampler.wrap_u);
+    const Axis v = axis_of(heights.height, sampler.wrap_v);
+    Slopes out{{}, sampler, glm::vec2(float(u.units), float(v.units))};
+    out.sampler.wrap_u = u.slopes;
+    out.sampler.wrap_v = v.slopes;
+    out.image.width = u.size;
+    out.image.height = v.size;
+    out.image.channels = 3;
+    out.image.floating = true;
+    out.image.pixels.assign(std::size_t(u.size) * v.size * 3, 0.0f);
     const auto height = [&](std::int64_t x, std::int64_t y) {
-        const auto column = std::size_t(wrap_texel(x, out.width, wrap_u));
-        const auto row = std::size_t(wrap_texel(y, out.height, wrap_v));
-        return double(heights.pixels[(row * out.width + column) * heights.channels]);
+        const auto column = std::size_t(wrap_texel(x, heights.width, u.heights));
+        const auto row = std::size_t(wrap_texel(y, heights.height, v.heights));
+        return double(heights.pixels[(row * heights.width + column) * heights.channels]);
     };
-    for (std::int64_t y = 0; y < out.height; ++y)
-        for (std::int64_t x = 0; x < out.width; ++x) {
-            const double along_u = (height(x + 1, y) - height(x - 1, y)) * out.width / 2;
-            const double along_v = (height(x, y + 1) - height(x, y - 1)) * out.height / 2;
-            float* const texel = &out.pixels[(std::size_t(y) * out.width + std::size_t(x)) * 3];
-            texel[0] = kept(along_u);
-            texel[1] = kept(along_v);
+    float* texel = out.image.pixels.data();
+    for (std::int64_t y = 0; y < v.size; ++y)
+        for (std::int64_t x = 0; x < u.size; ++x, texel += 3) {
+            texel[0] = kept((height(x + 1, y) - height(x - 1, y)) * u.size / 2);
+            texel[1] = kept((height(x, y + 1) - height(x, y - 1)) * v.size / 2);
         }
     return out;
 }

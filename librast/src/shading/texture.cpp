@@ -147,8 +147,8 @@ void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uin
 }
 
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
-                       TextureLevels levels)
-    : lazy_(std::make_unique<Lazy>()), sampler_(sampler) {
+                       TextureLevels levels, const glm::vec2& units)
+    : lazy_(std::make_unique<Lazy>()), sampler_(sampler), units_(units) {
     const auto half = [](std::uint32_t size) { return std::max(1u, size / 2); };
     add_level(levels_, image.width, image.height);
     if (levels == TextureLevels::mipmap)

@@ -94,11 +94,14 @@ class MipTexture {
     MipTexture(MipTexture&&) = default;
     MipTexture& operator=(MipTexture&&) = default;
 
-    // The first level alone: the others follow as they are read.
-    // `colour`: decode RGB from sRGB before anything is averaged. Missing channels: grey is spread
-    // to RGB, alpha is 1.
+    // The first level alone: the others follow as they are read. `units`: how many of u and of v
+    // the picture holds, for those who read it: sample() takes coordinates of one. `colour`: decode
+    // RGB from sRGB before anything is averaged. Missing channels: grey is spread to RGB, alpha
+    // is 1.
     MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
-               TextureLevels levels);
+               TextureLevels levels, const glm::vec2& units = glm::vec2(1.0f));
+
+    const glm::vec2& units() const { return units_; }
 
     // UV origin top left, repeated, mirrored or clamped as the sampler says. NaN coordinates read
     // texel (0, 0).
@@ -222,6 +225,7 @@ class MipTexture {
     std::int16_t* packed_ = nullptr;
     float* floats_ = nullptr;
     prep::Texture sampler_;
+    glm::vec2 units_;
     TextureView view_;
 };
 
