@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <limits>
 #include <numbers>
+#include <random>
 
 namespace {
 
@@ -145,6 +148,57 @@ TEST(Scenes, MeshesThatNoNodeShowsGetOneEach) {
     EXPECT_EQ(scene.nodes[2].name, "first");
     EXPECT_EQ(scene.nodes[3].mesh, 2u);
     EXPECT_EQ(scene.nodes[3].name, "third");
+}
+
+// The largest element of m over that of `like`, and m and it as directions.
+double off_from_direction_of(const glm::dmat3& m, const glm::dmat3& like) {
+    double size = 0, of_like = 0, off = 0;
+    for (int k = 0; k < 9; ++k) {
+        size = std::max(size, std::abs(m[k / 3][k % 3]));
+        of_like = std::max(of_like, std::abs(like[k / 3][k % 3]));
+    }
+    for (int k = 0; k < 9; ++k)
+        off = std::max(off, std::abs(m[k / 3][k % 3] / size - like[k / 3][k % 3] / of_like));
+    return off;
+}
+
+TEST(NormalMatrix, IsTheTransposedInverseAtAnyScale) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    int mirrored = 0;
+    for (int n = 0; n < 200; ++n) {
+        glm::dmat3 m(0.0);
+        do
+            for (int k = 0; k < 9; ++k) m[k / 3][k % 3] = uniform(random);
+        while (std::abs(glm::determinant(m)) < 0.02);
+        const bool turned = glm::determinant(m) < 0;
+        mirrored += turned;
+        const glm::dmat3 expected = glm::inverseTranspose(m);
+        for (const double scale : {1.0, 3e-5, 1e-140, 1e-300, 1e150, 1e300}) {
+            EXPECT_LT(off_from_direction_of(prep::normal_matrix(m * scale), expected), 1e-12)
+                << scale;
+            EXPECT_EQ(prep::mirrors(m * scale), turned) << scale;
+        }
+        double most = 0;
+        for (int k = 0; k < 9; ++k)
+            most = std::max(most, std::abs(prep::normal_matrix(m * 1e-140)[k / 3][k % 3]));
+        EXPECT_GE(most, 1.0);
+        EXPECT_LT(most, 2.0);
+    }
+    EXPECT_GT(mirrored, 50);
+}
+
+TEST(NormalMatrix, OfFlatTransformsKeepsTheNormalOfThePlane) {
+    const glm::dmat3 flat(glm::dvec3(2, 0, 0), glm::dvec3(0, 3, 0), glm::dvec3(0.0));
+    EXPECT_FALSE(prep::mirrors(flat));
+    const glm::dvec3 n = prep::normal_matrix(flat) * glm::dvec3(0.3, 0.4, 0.5);
+    EXPECT_GT(n.z, 0);
+    EXPECT_EQ(glm::dvec2(n), glm::dvec2(0.0));
+    const glm::dmat3 line(glm::dvec3(1, 2, 3), glm::dvec3(0.0), glm::dvec3(0.0));
+    EXPECT_EQ(prep::normal_matrix(line), glm::dmat3(0.0));
+    glm::dmat3 broken(1.0);
+    broken[1][2] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(prep::mirrors(broken));
 }
 
 }  // namespace

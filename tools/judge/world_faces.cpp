@@ -32,11 +32,8 @@ std::vector<Instance> instances_of(const prep::Scene& scene, Unshown unshown,
         instance.node = n;
         instance.world = worlds[n];
         const glm::dmat3 linear(worlds[n]);
-        instance.mirrored = glm::determinant(linear) < 0;
-        instance.normals =
-            (instance.mirrored ? -1.0 : 1.0) * glm::dmat3(glm::cross(linear[1], linear[2]),
-                                                          glm::cross(linear[2], linear[0]),
-                                                          glm::cross(linear[0], linear[1]));
+        instance.mirrored = prep::mirrors(linear);
+        instance.normals = prep::normal_matrix(linear);
         out.push_back(instance);
     }
     for (std::uint32_t m = 0; unshown == Unshown::as_it_is && m < scene.meshes.size(); ++m)

@@ -24,7 +24,7 @@ struct Instance {
     std::uint32_t mesh = 0, node = prep::no_index;
     std::uint32_t first_face = 0;  // in WorldFaces::faces, where faces are whole
     glm::dmat4 world{1.0};
-    glm::dmat3 normals{1.0};  // cofactors, in the determinant's sign
+    glm::dmat3 normals{1.0};  // prep::normal_matrix of it
     bool mirrored = false;
 };
 

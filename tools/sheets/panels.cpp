@@ -282,11 +282,7 @@ class PanelDrawing {
         return unit_or_zero(glm::dmat3(world_[node]) * d);
     }
     glm::dvec3 normal_to_world(std::uint32_t node, const glm::dvec3& n) const {
-        const glm::dmat3 l(world_[node]);
-        const glm::dmat3 cofactor(glm::cross(l[1], l[2]), glm::cross(l[2], l[0]),
-                                  glm::cross(l[0], l[1]));
-        const double sign = glm::dot(l[0], cofactor[0]) < 0 ? -1 : 1;
-        return unit_or_zero(cofactor * n * sign);
+        return unit_or_zero(prep::normal_matrix(glm::dmat3(world_[node])) * n);
     }
     double scale() const { return options_.size / 480.0; }
 

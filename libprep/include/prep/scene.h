@@ -183,6 +183,15 @@ Result<void> require_consistent(const Scene& scene);
 // World transform of every node, parents applied first. O(nodes).
 std::vector<glm::dmat4> world_transforms(const Scene& scene);
 
+// What a linear transform does to normals: the cofactors in the determinant's sign, which flat ones
+// have, too; else its transposed inverse but for a factor. The largest element is in [1, 2), so
+// that squares stay in range however large or small the transform is. Zero where no direction is
+// left, not finite where `linear` is not.
+glm::dmat3 normal_matrix(const glm::dmat3& linear);
+
+// Whether it turns faces round, however large or small it is; false for flat ones.
+bool mirrors(const glm::dmat3& linear);
+
 // Morph targets of all meshes.
 std::size_t morph_target_count(const Scene& scene);
 

@@ -90,9 +90,8 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     const VertexMesh& mesh = *instance.mesh;
     const Index base = Index(moved ? to.doubles.size() : to.floats.size());
     const glm::dmat3 linear(instance.world);
-    const double sign = glm::determinant(linear) < 0 ? -1 : 1;
-    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
+    const float sign = mirrors(linear) ? -1 : 1;
+    const glm::dmat3 normals_to_world = normal_matrix(linear);
     // Where a flat transform leaves no direction, that of before, as in OBJ.
     const auto unit = [](const glm::dvec3& v, const glm::vec3& before) {
         const double length = glm::length(v);
@@ -110,11 +109,11 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     }
     if (instance.moved() && linear != glm::dmat3(1.0)) {
         for (std::size_t v = first_normal; v < to.normals.size(); ++v)
-            to.normals[v] = unit(cofactor * glm::dvec3(to.normals[v]) * sign, to.normals[v]);
+            to.normals[v] = unit(normals_to_world * glm::dvec3(to.normals[v]), to.normals[v]);
         for (std::size_t v = first_tangent; v < to.tangents.size(); ++v) {
             glm::vec4& t = to.tangents[v];
             const glm::vec3 before(t);
-            t = glm::vec4(unit(linear * glm::dvec3(before), before), t.w * float(sign));
+            t = glm::vec4(unit(linear * glm::dvec3(before), before), t.w * sign);
         }
     }
     append_or_fill(to.uvs, uvs, first_uvs(mesh), mesh.vertex_count(), glm::vec2(0.0f));

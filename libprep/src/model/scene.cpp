@@ -52,6 +52,33 @@ std::size_t morph_target_count(const Scene& scene) {
     return count;
 }
 
+namespace {
+
+// By a power of two; zero and what is not finite stay as they are.
+glm::dmat3 scaled_to_one(const glm::dmat3& m) {
+    double most = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) most = std::max(most, std::abs(m[c][r]));
+    if (!(most > 0) || !std::isfinite(most)) return m;
+    // In two steps, because 2^-exponent itself can overflow.
+    const int e = -std::ilogb(most);
+    return m * std::ldexp(1.0, e / 2) * std::ldexp(1.0, e - e / 2);
+}
+
+}  // namespace
+
+glm::dmat3 normal_matrix(const glm::dmat3& linear) {
+    const glm::dmat3 m = scaled_to_one(linear);
+    const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
+                               glm::cross(m[0], m[1]));
+    return scaled_to_one(mirrors(m) ? -cofactors : cofactors);
+}
+
+bool mirrors(const glm::dmat3& linear) {
+    const glm::dmat3 m = scaled_to_one(linear);
+    return glm::dot(m[0], glm::cross(m[1], m[2])) < 0;
+}
+
 std::vector<glm::dmat4> world_transforms(const Scene& scene) {
     const std::size_t n = scene.nodes.size();
     std::vector<glm::dmat4> world(n, glm::dmat4(1.0));

@@ -7,22 +7,6 @@
 namespace rast::detail {
 namespace {
 
-// Scaled by a power of two so that its largest element is of order one: squares and products then
-// stay in float's range. Zero and non-finite stay as they are.
-glm::dmat3 to_order_one(const glm::dmat3& m) {
-    double most = 0;
-    for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) most = std::max(most, std::abs(m[c][r]));
-    if (!(most > 0) || !std::isfinite(most)) return m;
-    // In two steps, because 2^-exponent itself can overflow.
-    const int e = -std::ilogb(most);
-    return m * std::ldexp(1.0, e / 2) * std::ldexp(1.0, e - e / 2);
-}
-
-glm::dmat3 cofactors(const glm::dmat3& m) {
-    return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
-}
-
 constexpr float largest_color = 1e18f;
 
 bool usable(const glm::vec4& c) {
@@ -44,10 +28,8 @@ RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
                                std::uint32_t height, std::vector<VertexRecord> storage)
     : records(std::move(storage)), mesh_(&mesh), node_(node) {
     const glm::dmat3 linear(world);
-    const glm::dmat3 scaled = to_order_one(linear);
-    mirrored_ = glm::dot(scaled[0], glm::cross(scaled[1], scaled[2])) < 0;
-    normal_matrix_ = to_order_one(cofactors(scaled));
-    if (mirrored_) normal_matrix_ *= -1.0;
+    mirrored_ = prep::mirrors(linear);
+    normal_matrix_ = prep::normal_matrix(linear);
     from_eye_ = glm::dmat4(linear);
     from_eye_[3] = glm::dvec4((glm::dvec3(world[3]) - view.eye()) + linear * mesh.origin, 1.0);
 

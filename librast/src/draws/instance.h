@@ -24,9 +24,7 @@ class RenderInstance final : public VertexSource {
     const prep::VertexMesh& mesh() const { return *mesh_; }
     std::uint32_t node() const { return node_; }
     bool mirrored() const { return mirrored_; }  // the transform turns the winding round
-    // Cofactors of the linear part times the sign of its determinant, of order one: normals to
-    // world axes. Right for mirrored and singular transforms as well, where an inverse transpose
-    // would flip or not exist.
+    // Normals to world axes: prep::normal_matrix of the linear part.
     const glm::dmat3& normal_matrix() const { return normal_matrix_; }
     // Position about the mesh's origin → position from the eye, in world axes.
     const glm::dmat4& from_eye() const { return from_eye_; }

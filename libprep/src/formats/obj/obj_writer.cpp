@@ -102,7 +102,7 @@ class ObjWriter {
             note("OBJ holds one UV set: the others are left out");
         if (mesh.colors.size() > 1) note("OBJ holds one set of colours: the others are left out");
         const glm::dmat3 linear(world);
-        mirrored_ = glm::determinant(linear) < 0;
+        mirrored_ = mirrors(linear);
         const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0) ||
                            may_be_far(mesh.positions);
         const std::vector<glm::vec4> colors = vertex_colors(mesh);
@@ -140,16 +140,13 @@ class ObjWriter {
                               });
         }
         if (normals) {
-            const double sign = mirrored_ ? -1 : 1;
-            const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]),
-                                      glm::cross(linear[2], linear[0]),
-                                      glm::cross(linear[0], linear[1]));
+            const glm::dmat3 to_world = normal_matrix(linear);
             const bool turned = linear != glm::dmat3(1.0);
             text_.short_lines(mesh.normals.values.size(), 4 * max_number_text,
                               [&](char* to, std::size_t i) {
                                   glm::vec3 n = mesh.normals.values[i];
                                   if (turned) {
-                                      const glm::dvec3 t = cofactor * glm::dvec3(n) * sign;
+                                      const glm::dvec3 t = to_world * glm::dvec3(n);
                                       const double length = glm::length(t);
                                       if (length > 0) n = glm::vec3(t / length);
                                   }
