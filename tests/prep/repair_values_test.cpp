@@ -231,12 +231,13 @@ TEST(RepairValues, AVertexPutIntoAnEdgeHasTheAttributesOfItsPlace) {
     }
 }
 
-TEST(RepairValues, AFaceOfAnotherPartGetsNoVertex) {
+// Parts that are names share their vertices.
+TEST(RepairValues, AFaceOfAnotherGroupGetsTheVertex) {
     Mesh mesh = square_with_flat_triangle(0);
     mesh.parts = {"", ""};
     mesh.face_parts = {1, 0, 1, 1};
     degenerate(mesh);
-    EXPECT_EQ(mesh.face_offsets, (Indices{0, 3, 6, 9}));
+    EXPECT_EQ(mesh.face_offsets, (Indices{0, 3, 7, 10}));
     EXPECT_EQ(mesh.face_parts, (Indices{1, 0, 1}));
 }
 
