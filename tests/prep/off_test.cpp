@@ -145,6 +145,9 @@ TEST(Off, PointsKeepTheirColours) {
     ASSERT_TRUE(ones.has_value()) << prep::to_string(ones.error());
     EXPECT_EQ(ones->meshes[0].vertex_colors[0], glm::vec4(0, 1, 0, 1));
     EXPECT_EQ(ones->meshes[0].vertex_colors[1], glm::vec4(0, 0, 1, 1));
+    const auto fewer = parse_off("COFF\n2 0 0\n0 0 0 255\n1 0 0 0 255\n");
+    ASSERT_TRUE(fewer.has_value()) << prep::to_string(fewer.error());
+    EXPECT_EQ(fewer->meshes[0].vertex_colors[1], glm::vec4(0, 1, 1, 1));
     const auto bytes = parse_off("COFF\n2 0 0\n0 0 0 255 0 0\n1 0 0 0 188 0 51\n");
     ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
     ASSERT_EQ(bytes->meshes[0].vertex_colors.size(), 2u);

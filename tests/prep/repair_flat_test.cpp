@@ -248,4 +248,25 @@ TEST(RepairFlatFaces, PolygonsOnALineGoLikeTriangles) {
               (Polygon{0, 1, 2, 6, 5, 4}));
 }
 
+// A polygon on a line that visits both ends in turns, a triangle beside each edge: each would take
+// all vertices between.
+TEST(RepairFlatFaces, StayWhereEdgesRunToAndFro) {
+    Mesh mesh;
+    constexpr std::uint32_t count = 400;
+    Polygon zigzag;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        mesh.positions.push_back({float(k), 0, 0});
+        zigzag.push_back(k % 2 == 0 ? k / 2 : count - 1 - k / 2);
+    }
+    mesh.positions.push_back({0, 5, 0});
+    add_face(mesh, zigzag);
+    for (std::uint32_t k = 0; k < count; ++k)
+        add_face(mesh, {zigzag[(k + 1) % count], zigzag[k], count});
+    const std::size_t corners = mesh.corner_vertices.size();
+    const prep::RepairStep step = repair_degenerate(mesh);
+    EXPECT_EQ(step.changed, 0u);
+    EXPECT_EQ(step.left, 1u);
+    EXPECT_EQ(mesh.corner_vertices.size(), corners);
+}
+
 }  // namespace

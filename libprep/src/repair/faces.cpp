@@ -215,7 +215,9 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
     }
     step.left = flat.left;
     if (step.left > 0)
-        step.text += "; left: those without area between parts that share no vertices";
+        step.text +=
+            "; left: those without area between parts that share no vertices, or beside edges that "
+            "run to and fro";
     Places places;
     for (Index f = 0; f < changed.size(); ++f)
         if (changed[f]) places.add(f);

@@ -57,6 +57,7 @@ class FlatFaceFinder {
     struct Line {
         std::vector<Member> members;  // along the axis
         glm::length_t axis = 0;
+        std::size_t inserted = 0;
         bool stays = false;
     };
 
@@ -172,6 +173,9 @@ class FlatFaceFinder {
         const auto end =
             std::lower_bound(begin, line.members.end(), std::max(a, b),
                              [](const Member& m, float value) { return m.at < value; });
+        line.inserted += std::size_t(std::max(end - begin, std::ptrdiff_t(0)));
+        line.stays |= line.inserted > most_per_member * line.members.size();
+        if (line.stays) return;
         const std::size_t first = insertions_.size();
         for (auto m = begin; m < end;) {
             const Index at = m->point;
@@ -195,6 +199,10 @@ class FlatFaceFinder {
                 ++out_.left;
             }
     }
+
+    // A vertex is beside an edge or two of other faces. Where a line's edges run to and fro, each
+    // would take all vertices.
+    static constexpr std::size_t most_per_member = 16;
 
     struct OfLine {
         Insertion insertion;

@@ -25,7 +25,8 @@ struct FlatFaces {
 };
 
 // Flat faces that share edges go together, or none of them: they stay where an edge beside them
-// would need a vertex of another part (`parts`, by vertex, as parts_of_vertices). `topology`: with
+// would need a vertex of another part (`parts`, by vertex, as parts_of_vertices), and where edges
+// beside them run to and fro, past 16 times as many vertices as there are. `topology`: with
 // equal positions as one point. O(corners · log(flat corners)).
 FlatFaces take_out_flat_faces(const Mesh& mesh, const FaceNormals& faces, const Topology& topology,
                               const std::vector<std::uint32_t>& parts);

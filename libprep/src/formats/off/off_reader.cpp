@@ -192,7 +192,8 @@ class OffParser {
         for (const Color& color : colors) {
             glm::dvec4 c(color.values);
             if (bytes && color.whole) {
-                for (glm::length_t k = 0; k < 3; ++k) c[k] = detail::srgb_to_linear(c[k] / 255);
+                for (int k = 0; k < std::min(color.count, 3); ++k)
+                    c[k] = detail::srgb_to_linear(c[k] / 255);
                 if (color.count == 4) c.a /= 255;
             }
             out.emplace_back(c);
