@@ -41,9 +41,9 @@ class FlatFaceFinder {
     }
 
   private:
-    // An edge beside the flat faces of a line: of a face with area, from this corner to the next.
+    // An edge beside a flat face: of a face with area, from this corner to the next.
     struct Side {
-        Index corner, line;
+        Index corner, flat;  // and the place of a flat face that has it
     };
     struct Unpaired {
         std::uint64_t key;
@@ -88,7 +88,6 @@ class FlatFaceFinder {
     // have more than two faces, meet all that have none.
     void find_lines() {
         DisjointSets sets(flat_.size());
-        std::vector<Side> sides;
         std::vector<Unpaired> unpaired;
         for (Index i = 0; i < flat_.size(); ++i)
             for (Index c = mesh_.face_offsets[flat_[i]]; c < mesh_.face_offsets[flat_[i] + 1];
@@ -99,7 +98,7 @@ class FlatFaceFinder {
                 } else if (const Index f = topology_.corner_faces[across]; is_flat(f)) {
                     sets.unite(i, numbers_[f]);
                 } else {
-                    sides.push_back({across, i});
+                    sides_.push_back({across, i});
                 }
             }
         std::sort(unpaired.begin(), unpaired.end(), [](const Unpaired& a, const Unpaired& b) {
@@ -116,7 +115,7 @@ class FlatFaceFinder {
                 const auto at = std::lower_bound(
                     unpaired.begin(), unpaired.end(), own,
                     [](const Unpaired& u, std::uint64_t wanted) { return u.key < wanted; });
-                if (at != unpaired.end() && at->key == own) sides.push_back({c, at->flat});
+                if (at != unpaired.end() && at->key == own) sides_.push_back({c, at->flat});
             }
         }
         lines_of_.resize(flat_.size());
@@ -125,8 +124,6 @@ class FlatFaceFinder {
             lines_of_[i] = first == i ? Index(lines_.size()) : lines_of_[first];
             if (first == i) lines_.emplace_back();
         }
-        sides_ = std::move(sides);
-        for (Side& side : sides_) side.line = lines_of_[side.line];
     }
 
     void gather_points() {
@@ -162,7 +159,8 @@ class FlatFaceFinder {
 
     // Puts what lies between its ends into the edge, in its direction.
     void cut(const Side& side) {
-        Line& line = lines_[side.line];
+        const Index number = lines_of_[side.flat];
+        Line& line = lines_[number];
         const Index f = topology_.corner_faces[side.corner];
         const Index to = next_corner(mesh_.face_offsets, f, side.corner);
         const float a = position(side.corner)[line.axis], b = position(to)[line.axis];
@@ -185,7 +183,7 @@ class FlatFaceFinder {
                 if (m->part == part) vertex = m->vertex;
             line.stays |= vertex == no_index;
             if (vertex != no_index)
-                insertions_.push_back({{to, vertex, float(std::min(t, 1.0))}, side.line});
+                insertions_.push_back({{to, vertex, float(std::min(t, 1.0))}, number});
         }
         if (a > b) std::reverse(insertions_.begin() + std::ptrdiff_t(first), insertions_.end());
     }
