@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/assimp/import.h"
@@ -229,6 +230,11 @@ TEST(AssimpLost, PointsKeepTheirColoursAndWhatElseTheyHaveIsCounted) {
     ASSERT_EQ(mesh.vertex_colors.size(), 3u);
     EXPECT_EQ(mesh.vertex_colors[0], glm::vec4(1, 0, 0, 1));
     EXPECT_EQ(mesh.loose_parts_with_attributes, 1u);  // the normals
+    delete[] std::exchange(t.mesh->mNormals, nullptr);
+    EXPECT_EQ(t.read().meshes.at(0).loose_parts_with_attributes, 1u);  // the material
+    const aiString none(AI_DEFAULT_MATERIAL_NAME);
+    t.material->AddProperty(&none, AI_MATKEY_NAME);
+    EXPECT_EQ(t.read().meshes.at(0).loose_parts_with_attributes, 0u);
 }
 
 // --- tangents -----------------------------------------------------------------------------------

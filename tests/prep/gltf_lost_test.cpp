@@ -68,14 +68,39 @@ TEST(GltfLost, OtherFormatsTellWhatTheyDoNotHold) {
              {"ply", "PLY"}, {"stl", "STL"}, {"off", "OFF"}, {"obj", "OBJ"}, {"OBJ", "OBJ"}}) {
         const Notes notes = notes_of(rich(), "out." + ending);
         EXPECT_TRUE(told(notes,
-                         "normals and UVs of lines and points are kept in glTF files only: "
-                         "those of 1 primitive were left out"))
+                         "normals, UVs and materials of lines and points are kept from glTF to "
+                         "glTF only: those of 1 primitive were left out"))
             << ending;
         EXPECT_TRUE(told(notes, format + " holds no attributes of other names: _PAIN left out"));
         EXPECT_TRUE(told(notes, format + " holds no morph targets: 2 left out")) << ending;
         EXPECT_TRUE(told(notes, format + " holds no animations: 2 left out")) << ending;
         EXPECT_TRUE(told(notes, format + " holds no skins: left out")) << ending;
     }
+}
+
+// Lines stand before the faces of their mesh, for behind them they would have their material.
+TEST(GltfLost, LinesInObjHaveNoMaterialOfFaces) {
+    test::GltfSource d;
+    const std::size_t positions = d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const Json attributes{{"POSITION", positions}};
+    const Json face{{"attributes", attributes}, {"material", 0}};
+    const Json points{{"attributes", attributes}, {"mode", 0}, {"material", 1}};
+    d.json["materials"] = {{{"name", "red"}}, {{"name", "blue"}}};
+    d.json["meshes"] = {{{"name", "solid"}, {"primitives", {face}}},
+                        {{"name", "marks"}, {"primitives", {points, face}}}};
+    d.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}};
+    std::string obj;
+    const Notes notes = notes_of(d, "out.obj", &obj);
+    EXPECT_TRUE(told(notes,
+                     "normals, UVs and materials of lines and points are kept from glTF to glTF "
+                     "only: those of 1 primitive were left out"));
+    std::vector<std::string> states;
+    std::istringstream lines(obj);
+    for (std::string line; std::getline(lines, line);)
+        if (line[0] == 'o' || line[0] == 'u' || line[0] == 'p' || line[0] == 'f')
+            states.push_back(line.substr(0, line.find("//")));
+    EXPECT_EQ(states, (Notes{"o solid", "usemtl red", "f 1 2 3", "o marks", "usemtl default", "p 4",
+                             "p 5", "p 6", "usemtl red", "f 7 8 9"}));
 }
 
 TEST(GltfLost, CamerasAndLightsAreTold) {

@@ -539,7 +539,7 @@ std::string ply(const std::string& comments, const std::string& face_properties,
            "\n" + faces;
 }
 
-TEST(PlyTextures, FacesNameTheirPictureAndTheFirstIsTheDefault) {
+TEST(PlyTextures, FacesNameTheirPictureOrNone) {
     const test::TempDir dir;
     const std::string header = "comment TextureFile a b.png \ncomment TextureFile c.png\n";
     const std::string uv = " 6 0 0 1 0 0 1";
@@ -548,8 +548,9 @@ TEST(PlyTextures, FacesNameTheirPictureAndTheFirstIsTheDefault) {
                          "3 0 1 2" + uv + " 1\n3 2 1 0" + uv + " -1\n"));
     const auto scene = prep::load_scene(dir / "a.ply");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
-    ASSERT_EQ(scene->materials.size(), 2u);
-    EXPECT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{1, 0}));
+    ASSERT_EQ(scene->materials.size(), 3u);
+    EXPECT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{1, 2}));
+    EXPECT_EQ(scene->materials[2].diffuse_map.texture, prep::no_index);
     EXPECT_EQ(scene->images[0].name, "a b.png");
     EXPECT_EQ(scene->images[1].path, dir / "c.png");
     EXPECT_EQ(scene->materials[1].diffuse, glm::vec4(1.0f));

@@ -181,11 +181,14 @@ TEST(MtlFile, MapOptionsThatAreNotTakenAreNamedOnce) {
 }
 
 TEST(MtlFile, StatementsThatAreNotTakenAreNamedOnce) {
-    const auto lib =
-        parse("newmtl a\nNi 1.5\nTf 1 1 1\nRx 0.3\nmap_Ka x.png\nnewmtl b\nRx 0.4\nhaste 3\n");
+    const auto lib = parse(
+        "newmtl a\nNi 1.5\nTf 1 1 1\nTf 1\nRx 0.3\nmap_Ka x.png\nnewmtl b\nRx 0.4\nhaste 3\n");
     EXPECT_EQ(
         lib.warnings,
         (std::vector<std::string>{"m.mtl: statements that were not taken: rx, map_ka, haste"}));
+    for (const char* tinted : {"Tf 1 0.5 1", "Tf spectral a.rfl", "Tf xyz 1 1 1"})
+        EXPECT_EQ(parse(std::string("newmtl a\n") + tinted + "\n").warnings,
+                  std::vector<std::string>{"m.mtl: statements that were not taken: tf"});
     std::string flood = "newmtl a\n";
     for (int i = 0; i < 1000; ++i) flood += "word" + std::to_string(i) + " 1\n";
     ASSERT_EQ(parse(flood).warnings.size(), 1u);

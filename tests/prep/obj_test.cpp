@@ -339,4 +339,38 @@ TEST(Obj, TextureCoordinatesOfLinesAreToldAsLeftOut) {
                                        "here: left out (2 in all)"});
 }
 
+TEST(Obj, ThirdTextureCoordinatesAreToldUnlessZero) {
+    const auto warnings = [](const std::string& uvs) {
+        const auto scene = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + uvs + "f 1/1 2/2 3/2\n");
+        EXPECT_TRUE(scene.has_value());
+        return scene->warnings;
+    };
+    EXPECT_EQ(warnings("vt 0 1 0\nvt 1 0 0.000\n"), std::vector<std::string>{});
+    EXPECT_EQ(warnings("vt 0 1 0\nvt 1 0 0.5\n"),
+              std::vector<std::string>{"test.obj:5: texture coordinates have two values here: the "
+                                       "third was left out (1 in all)"});
+}
+
+TEST(Obj, MaterialsOfLinesAreToldAsLeftOut) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\n";
+    const auto warnings = [](const std::string& text) {
+        const auto scene = parse(text);
+        EXPECT_TRUE(scene.has_value());
+        std::vector<std::string> of_lines;
+        for (const std::string& warning : scene->warnings)
+            if (warning.find("lines and points") != std::string::npos) of_lines.push_back(warning);
+        return of_lines;
+    };
+    EXPECT_EQ(warnings(vertices + "l 1 2\np 1\nusemtl red\n"), std::vector<std::string>{});
+    EXPECT_EQ(warnings(vertices + "l 1 2\nusemtl red\np 1\nl 2 1\n"),
+              std::vector<std::string>{"test.obj:5: lines and points have no material here: left "
+                                       "out (2 in all)"});
+    // The first of them in another block than the statement: a block has 1 MiB.
+    std::string far = vertices + "l 1 2\nusemtl red\n";
+    for (int i = 0; i < 40000; ++i) far += "# " + std::string(60, '-') + "\n";
+    EXPECT_EQ(warnings(far + "l 1 2\n"),
+              std::vector<std::string>{"test.obj:40005: lines and points have no material here: "
+                                       "left out (1 in all)"});
+}
+
 }  // namespace

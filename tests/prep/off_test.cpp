@@ -186,6 +186,34 @@ TEST(Off, ErrorsNameTheLine) {
               "test.off:3: expected texture coordinates in '0 0 0 0.5'");
 }
 
+// Geomview's manual: numbers are separated by blanks or ends of lines alike.
+TEST(Off, NumbersGoOnInTheNextLine) {
+    const auto scene = parse_off(
+        "NOFF 4\n2\n5\n0 0 0\n0 0 1\n1 0\n0 # here, too\n\n0 0 1\n1 1 0 0 0 1\n0\n1\n0\n0\n0\n1\n"
+        "4\n0 1\n2 3 0.5 0.25 0.125\n3 0 1\n2\n");
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    EXPECT_TRUE(scene->warnings.empty());
+    const prep::Mesh& mesh = scene->meshes[0];
+    EXPECT_EQ(mesh.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.normals.values, std::vector<glm::vec3>(4, {0, 0, 1}));
+    EXPECT_EQ(mesh.corner_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1, 2}));
+    EXPECT_EQ(mesh.face_offsets, (std::vector<std::uint32_t>{0, 4, 7}));
+    ASSERT_EQ(mesh.colors.size(), 1u);
+    EXPECT_EQ(mesh.colors[0].values[mesh.colors[0].indices[0]], glm::vec4(0.5f, 0.25f, 0.125f, 1));
+    // Without the number of edges, the third line is a vertex.
+    const auto no_edges = parse_off("OFF\n3\n1\n5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    ASSERT_TRUE(no_edges) << test::error_of(no_edges);
+    EXPECT_EQ(no_edges->meshes[0].positions[0].x, 5);
+}
+
+TEST(Off, AnElementThatIsTooShortTakesNothingOfTheNext) {
+    EXPECT_EQ(off_error("OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+              "test.off:4: expected coordinates in '1 0 0'");
+    EXPECT_EQ(off_error("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n2 0 1\n"),
+              "test.off:7: the file ends after 1 of 2 faces; line 7 was read as the rest of the "
+              "one before");
+}
+
 TEST(Off, CountsThatTheFileHasNoRoomForAreRefusedAtOnce) {
     for (const char* counts : {"4000000000 0 0", "0 4000000000 0", "9223372036854775807 0 0"})
         EXPECT_NE(off_error("OFF\n" + std::string(counts) + "\n0 0 0\n")

@@ -157,6 +157,27 @@ TEST(PlyRecords, SaysWhatTextSays) {
                                             (face_values ? " face values" : ""));
 }
 
+TEST(PlyRecords, FacesWhosePictureIsNotThereHaveNone) {
+    File file = strip(3, false, false, true);
+    ASSERT_EQ(file.faces[1][12].type, "int");
+    for (std::size_t f = 0; f < file.faces.size(); ++f)
+        file.faces[f][12].value = f == 1 ? -1 : f == 2 ? 2 : f == 4096 ? 7 : double(f % 2);
+    expect_same_as_text(file, "pictures that are not there");
+    const auto scene = parse(file.bytes(false));
+    ASSERT_TRUE(scene.has_value());
+    ASSERT_EQ(scene->materials.size(), 3u);
+    EXPECT_EQ(scene->materials[2].diffuse_map.texture, prep::no_index);
+    for (const std::size_t f : {1, 2, 4096}) EXPECT_EQ(scene->meshes[0].face_materials[f], 2u) << f;
+    EXPECT_EQ(scene->meshes[0].face_materials[3], 1u);
+    EXPECT_EQ(std::count_if(scene->warnings.begin(), scene->warnings.end(),
+                            [](const std::string& warning) {
+                                return warning.ends_with(
+                                    ": 2 faces have a texnumber that the file has no picture for: "
+                                    "none");
+                            }),
+              1);
+}
+
 TEST(PlyRecords, ListsOfOtherLengthsAreReadOneByOne) {
     for (const int odd : {0, 1, 4095, 4096, count - 1}) {
         for (const int corners : {2, 3, 5}) {
@@ -228,7 +249,7 @@ TEST(PlyRecords, StripsBeforeFacesHaveTheFirstPicture) {
         EXPECT_EQ(mesh.face_materials[0], 0u);
         EXPECT_EQ(mesh.face_materials[1], 0u);
         for (std::uint32_t f = 0; f < 10; ++f)
-            EXPECT_EQ(mesh.face_materials[f + 2], f % 5 == 2 ? 1u : 0u) << f;
+            EXPECT_EQ(mesh.face_materials[f + 2], f % 5 == 2 ? 1u : f % 5 == 1 ? 0u : 2u) << f;
     }
 }
 

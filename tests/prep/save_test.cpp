@@ -515,6 +515,23 @@ TEST(ObjRoundTrip, SubdivisionTags) {
         "t interpolateboundary 1/0/0 2\nt facevaryinginterpolateboundary 1/0/0 3\n");
 }
 
+TEST(Save, OtherFormatsTellOfSubdivisionTags) {
+    const test::TempDir dir;
+    const prep::Scene scene = parse(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt crease 2/1/0 0 1 5.0\n"
+        "t crease 2/1/0 1 2 5.0\nt corner 1/1/0 3 2.5\nt hole 1/0/0 0\n");
+    for (const auto& [ending, format] : std::vector<std::pair<std::string, std::string>>{
+             {"glb", "glTF"}, {"ply", "PLY"}, {"stl", "STL"}, {"off", "OFF"}, {"obj", ""}}) {
+        const auto notes = prep::save_scene(test::untouched(scene), dir / ("a." + ending));
+        ASSERT_TRUE(notes.has_value()) << ending;
+        EXPECT_EQ(std::count(notes->begin(), notes->end(),
+                             format + " holds no tags of subdivision, creases, corners and holes: "
+                                      "4 left out"),
+                  format.empty() ? 0 : 1)
+            << ending;
+    }
+}
+
 TEST(ObjRoundTrip, Colours) {
     expect_obj_round_trip(
         "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 1 0 0.7\nv 0 1 0 0 0 1\nf 1 2 3\nf 3 2 1\n");

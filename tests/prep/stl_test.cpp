@@ -290,6 +290,32 @@ TEST(Stl, RoundTripKeepsEveryBitInTextAndBytes) {
     }
 }
 
+// The name of one solid is its mesh's; several are parts of theirs.
+TEST(Stl, ASolidKeepsItsName) {
+    const auto scene = parse("solid Left Lid \n" + facet + "endsolid Left Lid\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->meshes[0].name, "Left Lid");
+    EXPECT_EQ(parse("solid\n" + facet + "endsolid\n")->meshes[0].name, "test");
+    const test::TempDir dir;
+    prep::SaveOptions options;
+    options.ascii = true;
+    const auto first_line = [&](const std::string& name) {
+        prep::Scene named = *scene;
+        named.meshes[0].name = name;
+        EXPECT_TRUE(prep::save_scene(test::untouched(named), dir / "a.stl", options).has_value());
+        const std::string text = test::file_text(dir / "a.stl");
+        const std::string line = text.substr(0, text.find('\n'));
+        EXPECT_TRUE(text.ends_with("\nend" + line + "\n")) << text;
+        const auto again = prep::load_scene(dir / "a.stl");
+        EXPECT_TRUE(again.has_value() && again->meshes[0].face_count() == 1) << name;
+        return line;
+    };
+    EXPECT_EQ(first_line("Left Lid"), "solid Left Lid");
+    for (const std::string& name : {std::string("big Facets"), std::string("two\nlines"),
+                                    std::string("zero\0", 5), std::string(" blank"), std::string()})
+        EXPECT_EQ(first_line(name), "solid meshprep") << name;
+}
+
 TEST(Stl, WrittenFacetNormalsAreUnitAndCounterClockwise) {
     prep::Scene scene;
     scene.meshes.push_back(shapes::mesh_of({{0, 0, 0}, {1e-20f, 0, 0}, {0, 1e-20f, 0}, {0, 0, 0}},

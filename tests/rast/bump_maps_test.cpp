@@ -308,6 +308,39 @@ TEST(BumpMaps, TurnInMirroredCopies) {
     }
 }
 
+// A slope of a half along u and v; beyond an edge that clamps the one across it is none.
+TEST(BumpMaps, AreLevelBeyondTheEdgesOfMapsThatClamp) {
+    std::vector<float> slant;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) slant.push_back((float(x) + float(y) + 1) / 32);
+    // u from 0 to 2 and v from -0.5 to 1.5 over the square's 2 by 2.
+    prep::TextureRef bump;
+    bump.strength = 0.5f;
+    prep::PreparedScene scene =
+        sheared_square(glm::dmat2(1.0), {1, 0.5}, heights_of(32, 32, slant), bump);
+    for (const bool u : {true, false})
+        for (const bool v : {true, false})
+            for (const rast::TextureFilter filter :
+                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                  rast::TextureFilter::trilinear, rast::TextureFilter::ewa}) {
+                scene.scene.textures[0].wrap_u = u ? prep::Wrap::clamp : prep::Wrap::repeat;
+                scene.scene.textures[0].wrap_v = v ? prep::Wrap::clamp : prep::Wrap::repeat;
+                rast::RenderRequest request = front_request({0, 0, 1});
+                request.keep_normals = true;
+                request.filter = filter;
+                const rast::Frame frame = draw(scene, request);
+                for (const std::uint32_t x : {8u, 12u, 27u, 32u})
+                    for (const std::uint32_t y : {4u, 17u, 23u, 35u}) {
+                        const double du = u && x > 20 ? 0 : 0.5;
+                        const double dv = v && (y < 10 || y > 30) ? 0 : 0.5;
+                        const glm::dvec3 n(frame.normal[y * frame.width + x]);
+                        EXPECT_LT(degrees_between(n, {-du, -dv, 1}), 0.1)
+                            << x << ", " << y << (u ? ", u" : "") << (v ? ", v" : "") << ", filter "
+                            << int(filter);
+                    }
+            }
+}
+
 // A light that shines along a surface reaches what bumps turn towards it.
 TEST(BumpMaps, AreLitByLightsBehindTheSurface) {
     const std::vector<float> h = some_heights(16);

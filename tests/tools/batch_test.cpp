@@ -442,6 +442,25 @@ TEST(Prepare, ObjInPlaceLeavesItsLibraryAlone) {
     EXPECT_NE(obj.find("\nvn "), std::string::npos) << obj;
 }
 
+TEST(Prepare, TextInPlaceStaysText) {
+    const TempDir dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    for (const std::string name : {"text.ply", "text.stl", "bytes.ply", "bytes.stl"}) {
+        std::vector<std::string> make{"prepare", (dir / "cube.obj").string(), "-o",
+                                      (dir / name).string()};
+        const bool text = name.starts_with("text");
+        if (text) make.push_back("--ascii");
+        ASSERT_EQ(run_here(make).exit_code, 0);
+        const std::string before = file_text(dir / name);
+        ASSERT_EQ(run_here({"prepare", (dir / name).string(), "--in-place"}).exit_code, 0);
+        const std::string after = file_text(dir / name);
+        EXPECT_EQ(after.find('\0') == std::string::npos, text) << name;
+        if (name.ends_with(".stl")) {
+            EXPECT_EQ(after, before);
+        }
+    }
+}
+
 // The first is written, the second refused, as where results have names of their own.
 TEST(Batch, AFileThatComesInTwiceIsDoneOnceInPlace) {
     const TempDir dir;

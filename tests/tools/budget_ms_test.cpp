@@ -13,6 +13,7 @@
 
 #include "command_runner.h"
 #include "meshprep/budgets/cost_cache.h"
+#include "meshprep/budgets/explicit_command.h"
 #include "meshprep/budgets/time_budget.h"
 
 namespace {
@@ -365,6 +366,18 @@ TEST_F(BudgetCache, TheCommandThatIsPrintedDrawsTheSameBytes) {
         ASSERT_EQ(test::run_program("/bin/sh", {"-c", again}).exit_code, 0) << again;
         EXPECT_EQ(test::file_text(dir_ / "o.png"), picture) << again;
     }
+}
+
+TEST(ExplicitCommand, NamesFilesThatAShellAndTheCommandTakeForFiles) {
+    const auto command = [](const char* input, const char* output) {
+        return meshprep::explicit_command("render", input, output, {{"--size", {"8x8"}}},
+                                          "--samples=4");
+    };
+    EXPECT_EQ(command("a b.obj", "o.png"),
+              "meshprep render 'a b.obj' -o o.png --size=8x8 --samples=4");
+    EXPECT_EQ(command("-x.obj", "-o.png"),
+              "meshprep render ./-x.obj -o ./-o.png --size=8x8 --samples=4");
+    EXPECT_EQ(command("-", "-"), "meshprep render - -o - --size=8x8 --samples=4");
 }
 
 TEST_F(BudgetCache, TheCommandThatIsPrintedForStandardOutputDrawsTheSameBytes) {

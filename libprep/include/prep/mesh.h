@@ -152,7 +152,7 @@ struct Mesh {
     std::vector<std::uint32_t> points;
     // Colours of vertices that no face uses (of points and lines): one per vertex, or empty.
     std::vector<glm::vec4> vertex_colors;
-    // Parts of lines or points with normals or UVs, for which there is no place here.
+    // Parts of lines or points with normals, UVs or a material, for which there is no place here.
     std::uint32_t loose_parts_with_attributes = 0;
 
     std::size_t vertex_count() const { return positions.size(); }

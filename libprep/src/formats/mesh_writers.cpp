@@ -13,6 +13,7 @@
 #include "formats/writers.h"
 #include "model/origin.h"
 #include "text/blocks.h"
+#include "text/lower_case.h"
 #include "text/numbers.h"
 
 namespace prep::detail {
@@ -416,6 +417,20 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
     return finish(rules_for(prepared, path, options), path, out, std::move(notes));
 }
 
+namespace {
+
+// The mesh's, where it is the only one and text that readers find the end of.
+std::string solid_name(const Scene& scene) {
+    const std::string name = scene.meshes.size() == 1 ? scene.meshes[0].name : "";
+    const bool one_line = std::none_of(name.begin(), name.end(),
+                                       [](char c) { return static_cast<unsigned char>(c) < ' '; });
+    const bool good = !name.empty() && name.front() != ' ' && name.back() != ' ' && one_line &&
+                      lower_case(name).find("facet") == std::string::npos;
+    return good ? name : "meshprep";
+}
+
+}  // namespace
+
 WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path& path,
                       const SaveOptions& options) {
     std::vector<std::string> notes;
@@ -442,8 +457,9 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
         note_once(notes, fmt::format("STL holds no points: {} left out", flat.points));
     const std::size_t facets = flat.triangles.size() / 3;
     TextBlocks out(options.threads);
+    const std::string name = solid_name(prepared.scene);
     if (options.ascii) {
-        out.text() = "solid meshprep\n";
+        out.text() = "solid " + name + '\n';
     } else {
         out.text().assign(84, ' ');
         std::memcpy(out.text().data(), "meshprep", 8);
@@ -476,7 +492,7 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
         word("endloop\nendfacet\n");
         return options.ascii ? to : write_raw(to, std::uint16_t(0));
     });
-    if (options.ascii) out.text() = "endsolid meshprep\n";
+    if (options.ascii) out.text() = "endsolid " + name + '\n';
     return finish(rules_for(prepared, path, options), path, out, std::move(notes));
 }
 

@@ -20,6 +20,7 @@ struct FormatHolds {
     bool uvs = true;
     bool float_colors = true;  // false: none, or integers
     bool materials = false;
+    bool subdivision = false;  // its tags
 };
 
 struct Format {

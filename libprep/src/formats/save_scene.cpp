@@ -43,10 +43,33 @@ void note_groups(const PreparedScene& prepared, const std::string& format,
 
 namespace {
 
+void note_loose_parts(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    std::size_t loose = 0;
+    for (const Mesh& mesh : prepared.scene.meshes) loose += mesh.loose_parts_with_attributes;
+    if (loose > 0)
+        notes.push_back(
+            "normals, UVs and materials of lines and points are kept from glTF to glTF "
+            "only: those of " +
+            std::to_string(loose) +
+            (loose == 1 ? " primitive were left out" : " primitives were left out"));
+}
+
+void note_subdivision(const PreparedScene& prepared, const std::string& format,
+                      std::vector<std::string>& notes) {
+    std::size_t tags = 0;
+    for (const Mesh& mesh : prepared.scene.meshes) {
+        const SubdivisionTags& of = mesh.subdivision;
+        tags += of.creases.size() + of.corners.size() + of.holes.size();
+    }
+    if (tags > 0)
+        notes.push_back(format + " holds no tags of subdivision, creases, corners and holes: " +
+                        std::to_string(tags) + " left out");
+}
+
 // What glTF files keep and the other formats do not, beside what their writers tell of themselves.
 void note_lost(const PreparedScene& prepared, const std::string& format, const FormatHolds& holds,
                std::vector<std::string>& notes) {
-    std::size_t loose = 0, shown = 0;
+    std::size_t shown = 0;
     NameList custom;
     std::vector<bool> is_shown(prepared.scene.meshes.size(), false);
     for (const Node& node : prepared.scene.nodes) {
@@ -60,14 +83,8 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
                              ? " mesh that the file's scene does not show was left out"
                              : " meshes that the file's scene does not show were left out"));
     for (const Mesh& mesh : prepared.scene.meshes) {
-        loose += mesh.loose_parts_with_attributes;
         for (const VertexAttribute& attribute : mesh.vertex_attributes) custom.add(attribute.name);
     }
-    if (loose > 0)
-        notes.push_back(
-            "normals and UVs of lines and points are kept in glTF files only: those of " +
-            std::to_string(loose) +
-            (loose == 1 ? " primitive were left out" : " primitives were left out"));
     if (!custom.empty())
         notes.push_back(format + " holds no attributes of other names: " + custom.text() +
                         " left out");
@@ -190,6 +207,10 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     if (auto checked = detail::check_bits(options.quantization, path); !checked)
         return std::move(checked).error();
     auto notes = format->write(prepared, path, options);
+    if (notes && !(format->holds.everything && prepared.scene.retained_file))
+        detail::note_loose_parts(prepared, *notes);
+    if (notes && !format->holds.subdivision)
+        detail::note_subdivision(prepared, std::string(format->file.name), *notes);
     if (notes && !format->holds.everything) {
         const std::string name(format->file.name);
         detail::note_lost(prepared, name, format->holds, *notes);

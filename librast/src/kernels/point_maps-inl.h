@@ -79,6 +79,21 @@ __attribute__((noinline)) void sample_together(const ShadeDraw& draw, const Stag
     }
 }
 
+// Beyond the edges of a map that clamps heights are level: slopes, which clamp too, are not.
+inline void level_beyond_edges(const TextureView& view, const float* coordinates, float* slopes,
+                               const Points& points) {
+    const F zero = set(0.0f), one = set(1.0f);
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        const Coordinates at = coordinates_at(coordinates, points.held, n);
+        V3 slope = get3(slopes, n);
+        if (view.wrap_u == prep::Wrap::clamp)
+            slope.x = select((at.u < zero) | (at.u > one), zero, slope.x);
+        if (view.wrap_v == prep::Wrap::clamp)
+            slope.y = select((at.v < zero) | (at.v > one), zero, slope.y);
+        put3(slope, slopes, n);
+    }
+}
+
 // The texels of one stage's maps, which have been asked for.
 inline void read_maps(const ShadeDraw& draw, const StageList& list, const Stage& group,
                       Points& points) {
@@ -102,5 +117,12 @@ inline void read_maps(const ShadeDraw& draw, const StageList& list, const Stage&
         else
             sample_together<1>(draw, list, m, coordinates, points);
         m += two;
+    }
+    for (std::uint32_t m = group.begin; m < group.end; ++m) {
+        const TextureView& view = draw.maps[draw.used[m]].texture->view();
+        if (draw.used[m] == MapKind::bump &&
+            (view.wrap_u == prep::Wrap::clamp || view.wrap_v == prep::Wrap::clamp))
+            level_beyond_edges(view, coordinates, points.at(list, texels_of(MapKind::bump)),
+                               points);
     }
 }

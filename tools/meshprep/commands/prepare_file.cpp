@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <string_view>
@@ -22,6 +23,17 @@
 
 namespace meshprep {
 namespace {
+
+// Of PLY and STL, which have two forms. Binary ones name theirs in the header or have a byte of
+// zero near the beginning: the highest of their number of triangles, if nothing else.
+bool is_text(const std::filesystem::path& file) {
+    std::string beginning(4096, ' ');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(beginning.data(), std::streamsize(beginning.size()));
+    beginning.resize(std::size_t(stream.gcount()));
+    return beginning.find('\0') == std::string::npos &&
+           beginning.find("format binary_") == std::string::npos;
+}
 
 std::size_t count_displacement_maps(const prep::Scene& scene) {
     return std::size_t(
@@ -392,7 +404,8 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     start = Clock::now();
     prep::SaveOptions save;
     save.threads = threads;
-    save.ascii = command.files.ascii;
+    const bool two_forms = format == "ply" || format == "stl";
+    save.ascii = command.files.ascii || (command.files.in_place && two_forms && is_text(job.input));
     save.compression = command.compression;
     save.replace = command.files.overwrite;
     save.replace_sources = command.files.in_place;

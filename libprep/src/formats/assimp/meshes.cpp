@@ -120,13 +120,20 @@ class MeshImport {
     }
 
     // Lines and points have colours here, and those only where no face has them.
-    static void loose_parts(const aiMesh& in, Mesh& out) {
+    void loose_parts(const aiMesh& in, Mesh& out) {
         if (out.points.empty() && out.line_vertices.empty()) return;
         const unsigned sets = color_sets(in);
         const bool taken = sets > 0 && out.face_count() == 0;
         if (taken) out.vertex_colors = colors(in, 0);
         out.loose_parts_with_attributes =
-            in.HasNormals() || uv_sets(in) > 0 || sets > (taken ? 1u : 0u);
+            in.HasNormals() || uv_sets(in) > 0 || sets > (taken ? 1u : 0u) || has_material(in);
+    }
+
+    // Meshes without one have one that Assimp makes.
+    bool has_material(const aiMesh& in) const {
+        if (in.mMaterialIndex >= import_.from.mNumMaterials) return false;
+        const aiString name = import_.from.mMaterials[in.mMaterialIndex]->GetName();
+        return text(name) != AI_DEFAULT_MATERIAL_NAME;
     }
 
     // Only with normals, which say what the sign is. Where a file has tangents alone, Assimp makes

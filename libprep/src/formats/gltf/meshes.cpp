@@ -148,7 +148,7 @@ class MeshReader {
                                                         " (number " + std::to_string(i) +
                                                         ") is out of range: the primitive has " +
                                                         std::to_string(*count) + " vertices");
-        vertices_.note_names(attributes, out.triangles, mesh);
+        vertices_.note_names(attributes, out.triangles, *material != no_index, mesh);
         if (const auto targets = in.find("targets"); targets != in.end())
             mesh.morph_targets.resize(std::max(mesh.morph_targets.size(), targets->size()));
         if (!attributes.contains("POSITION")) {

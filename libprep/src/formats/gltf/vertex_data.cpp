@@ -113,8 +113,8 @@ Result<void> VertexData::append_named(const std::string& name, const RawAccessor
     return {};
 }
 
-void VertexData::note_names(const Json& attributes, bool triangles, Mesh& mesh) {
-    bool layers = false;
+void VertexData::note_names(const Json& attributes, bool triangles, bool material, Mesh& mesh) {
+    bool layers = material;
     for (const auto& item : attributes.items()) {
         const std::string& name = item.key();
         layers |= name == "NORMAL" || name.starts_with("TEXCOORD_");

@@ -72,7 +72,7 @@ class VertexData {
                         const std::string& pointer, std::size_t first, Mesh& mesh);
 
     // What is known of a primitive even where there is nothing to read.
-    void note_names(const Json& attributes, bool triangles, Mesh& mesh);
+    void note_names(const Json& attributes, bool triangles, bool material, Mesh& mesh);
 
     // Once all primitives are read: fills the mesh's layers. Errors: limit.
     Result<void> finish(const std::string& pointer, Mesh& mesh, int threads);

@@ -278,20 +278,18 @@ class BlockParser {
                                                        "shadow_obj", "trace_obj", "maplib",
                                                        "usemap",     "call",      "csh"};
         if (std::find(std::begin(free_form), std::end(free_form), word) != std::end(free_form)) {
-            if (block_.free_form++ == 0) block_.free_form_line = line_number_;
+            block_.free_form.note(line_number_);
         } else if (std::find(std::begin(ignored), std::end(ignored), word) == std::end(ignored)) {
             if (word.find('\0') != std::string_view::npos)
                 return fail("a zero byte: this is no OBJ text (binary, or UTF-16)", word.data(),
                             word.data() + word.size());
-            if (block_.unknown++ == 0) {
-                block_.unknown_line = line_number_;
-                block_.unknown_word = quoted_line(word.substr(0, 24));
-            }
+            if (block_.unknown.count == 0) block_.unknown_word = quoted_line(word.substr(0, 24));
+            block_.unknown.note(line_number_);
         }
     }
 
     void note_finite(bool finite) {
-        if (!finite && block_.non_finite++ == 0) block_.non_finite_line = line_number_;
+        if (!finite) block_.non_finite.note(line_number_);
     }
 
     void position(LineScanner& scan, const char* begin, const char* end) {
@@ -328,6 +326,8 @@ class BlockParser {
         if (!scan.number(u)) return fail("expected a number", begin, end);
         if (!scan.at_end() && !scan.number(v)) return fail("expected a number", begin, end);
         note_finite(std::isfinite(u) && std::isfinite(v));
+        double w = 0;
+        if (scan.number(w) && w != 0) block_.third_uvs.note(line_number_);
         block_.uvs.push_back({float(u), float(1.0 - v)});
     }
 
@@ -377,7 +377,7 @@ class BlockParser {
             line_corners_.push_back(corner);
         }
         if (line_corners_.size() >= least) return true;
-        if (block_.short_faces++ == 0) block_.short_face_line = line_number_;
+        block_.short_faces.note(line_number_);
         return false;
     }
 
@@ -403,11 +403,13 @@ class BlockParser {
             to.v.push_back(corner.v);
             uvs |= corner.t != 0;
         }
-        if (uvs && block_.loose_uvs++ == 0) block_.loose_uvs_line = line_number_;
+        if (uvs) block_.loose_uvs.note(line_number_);
+        (block_.any_material ? block_.loose_materials : block_.loose_before).note(line_number_);
         to.close(std::uint32_t(line_corners_.size()), line_number_);
     }
 
     void event(ObjEvent::Kind kind, LineScanner& scan) {
+        block_.any_material |= kind == ObjEvent::Kind::material;
         block_.events.push_back(
             {kind, block_.faces.count, line_number_, std::string(scan.rest()), 0});
     }

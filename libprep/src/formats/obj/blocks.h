@@ -58,6 +58,15 @@ struct ObjElements {
 
 inline constexpr glm::vec4 no_color{1, 1, 1, 0};  // those that are stated have an alpha of 1
 
+// Something that is told once for a file, with how often it is there.
+struct ObjOddity {
+    std::uint32_t count = 0, first_line = 0;
+
+    void note(std::uint32_t line) {
+        if (count++ == 0) first_line = line;
+    }
+};
+
 struct ObjBlock {
     std::vector<glm::vec3> positions;  // about the origin that parsing was given
     PositionBounds bounds;             // of the coordinates as written
@@ -68,12 +77,13 @@ struct ObjBlock {
     std::vector<ObjEvent> events;
     std::vector<ObjTag> tags;
     std::uint32_t lines = 0;
-    std::uint32_t short_faces = 0, short_face_line = 0;  // fewer than three corners
-    std::uint32_t free_form = 0, free_form_line = 0;
-    std::uint32_t unknown = 0, unknown_line = 0;
-    std::string unknown_word;
-    std::uint32_t non_finite = 0, non_finite_line = 0;
-    std::uint32_t loose_uvs = 0, loose_uvs_line = 0;  // lines with texture coordinates
+    ObjOddity short_faces;  // fewer than three corners
+    ObjOddity free_form, unknown, non_finite;
+    std::string unknown_word;  // the first
+    ObjOddity third_uvs;       // texture coordinates with a third, not 0
+    ObjOddity loose_uvs;       // lines and points with texture coordinates,
+    bool any_material = false;
+    ObjOddity loose_materials, loose_before;  // behind the block's first usemtl, and before it
 
     struct Failure {
         std::uint32_t line;

@@ -112,8 +112,16 @@ class MtlParser {
             bump(scan);
         else if (word == "map_d")
             map(scan, stated_.opacity_map);
-        else if (!physical(word, scan) && word != "tf" && word != "sharpness")
+        else if (!physical(word, scan) && word != "sharpness" && !(word == "tf" && is_white(scan)))
             not_taken_.add(word);
+    }
+
+    // Light that passes keeps its colour: nothing that would be lost.
+    static bool is_white(LineScanner scan) {
+        double value = 0;
+        int count = 0;
+        while (count < 3 && scan.number(value) && value == 1) ++count;
+        return count > 0 && scan.at_end();
     }
 
     // The statements of physically based MTL, by the words that Blender and others write.

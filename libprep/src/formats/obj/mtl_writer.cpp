@@ -113,13 +113,15 @@ void MtlWriter::name_materials() {
 }
 
 // Where a face without a material follows one that has any, in the order in which nodes are
-// written.
+// written, lines and points before faces.
 bool MtlWriter::names_no_material() const {
     bool any = false;
     for (const Node& node : scene_.nodes) {
         if (node.mesh == no_index) continue;
         const Mesh& mesh = scene_.meshes[node.mesh];
-        if (mesh.face_materials.empty() && mesh.face_count() > 0 && any) return true;
+        const bool loose = !mesh.line_vertices.empty() || !mesh.points.empty();
+        const bool faces = mesh.face_materials.empty() && mesh.face_count() > 0;
+        if (any && (loose || faces)) return true;
         for (const Index m : mesh.face_materials) {
             if (m >= scene_.materials.size() && any) return true;
             any |= m < scene_.materials.size();

@@ -97,8 +97,8 @@ class Assembler {
             }
             indices.clear();
         }
-        warn(corners, first_line,
-             std::string("corners name ") + what + ", of which the file has none: left out");
+        warn_of(corners, first_line,
+                std::string("corners name ") + what + ", of which the file has none: left out");
     }
 
     // All lists at their full size. Memory is first touched here: each list on a thread of its own.
@@ -258,7 +258,7 @@ class Assembler {
         return mesh_->corner_vertices.empty() && mesh_->line_vertices.empty() &&
                mesh_->points.empty() &&
                std::all_of(blocks_.begin(), blocks_.end(), [](const ObjBlock& block) {
-                   return block.free_form == 0 && block.short_faces == 0;
+                   return block.free_form.count == 0 && block.short_faces.count == 0;
                });
     }
 
@@ -483,7 +483,18 @@ class Assembler {
         if (++named_warnings_ <= most_named) scene_.warnings.push_back(std::move(text));
     }
 
-    void warn(std::uint64_t count, std::size_t first_line, const std::string& text) {
+    void warn(ObjOddity ObjBlock::*oddity, const std::string& text) {
+        std::uint64_t count = 0;
+        std::size_t line = 0;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            const ObjOddity& here = blocks_[b].*oddity;
+            if (count == 0 && here.count > 0) line = line_of(b, here.first_line);
+            count += here.count;
+        }
+        warn_of(count, line, text);
+    }
+
+    void warn_of(std::uint64_t count, std::size_t first_line, const std::string& text) {
         if (count > 0)
             scene_.warnings.push_back(options_.name + ":" + std::to_string(first_line) + ": " +
                                       text + " (" + std::to_string(count) + " in all)");
@@ -493,28 +504,24 @@ class Assembler {
         if (named_warnings_ > most_named)
             scene_.warnings.push_back("and " + std::to_string(named_warnings_ - most_named) +
                                       " more materials or libraries like these");
-        std::uint64_t shorts = 0, free_form = 0, unknown = 0, non_finite = 0, loose_uvs = 0;
-        std::size_t short_line = 0, free_line = 0, unknown_line = 0, finite_line = 0, uvs_line = 0;
         std::string word;
-        for (std::size_t b = 0; b < blocks_.size(); ++b) {
-            const ObjBlock& block = blocks_[b];
-            const auto gather = [&](std::uint64_t& sum, std::size_t& line, std::uint32_t n,
-                                    std::uint32_t local) {
-                if (sum == 0 && n > 0) line = line_of(b, local);
-                sum += n;
-            };
-            if (unknown == 0) word = block.unknown_word;
-            gather(shorts, short_line, block.short_faces, block.short_face_line);
-            gather(free_form, free_line, block.free_form, block.free_form_line);
-            gather(unknown, unknown_line, block.unknown, block.unknown_line);
-            gather(non_finite, finite_line, block.non_finite, block.non_finite_line);
-            gather(loose_uvs, uvs_line, block.loose_uvs, block.loose_uvs_line);
+        bool any_material = false;
+        for (ObjBlock& block : blocks_) {
+            if (word.empty()) word = block.unknown_word;
+            // Of the material that an earlier block ended with.
+            if (any_material && block.loose_before.count > 0)
+                block.loose_materials = {block.loose_before.count + block.loose_materials.count,
+                                         block.loose_before.first_line};
+            any_material |= block.any_material;
         }
-        warn(shorts, short_line, "elements with too few corners were dropped");
-        warn(free_form, free_line, "free-form geometry is not supported and was skipped");
-        warn(unknown, unknown_line, "unknown statement " + word + " was skipped");
-        warn(non_finite, finite_line, "coordinates that are not finite");
-        warn(loose_uvs, uvs_line, "lines and points have no texture coordinates here: left out");
+        warn(&ObjBlock::short_faces, "elements with too few corners were dropped");
+        warn(&ObjBlock::free_form, "free-form geometry is not supported and was skipped");
+        warn(&ObjBlock::unknown, "unknown statement " + word + " was skipped");
+        warn(&ObjBlock::non_finite, "coordinates that are not finite");
+        warn(&ObjBlock::third_uvs,
+             "texture coordinates have two values here: the third was left out");
+        warn(&ObjBlock::loose_uvs, "lines and points have no texture coordinates here: left out");
+        warn(&ObjBlock::loose_materials, "lines and points have no material here: left out");
     }
 
     std::vector<ObjBlock> blocks_;

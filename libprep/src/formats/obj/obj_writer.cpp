@@ -157,7 +157,18 @@ class ObjWriter {
                                   return to;
                               });
         }
+        loose(mesh);
         faces(mesh, uv_bases, normals);
+        tags(mesh);
+        vertex_base_ += mesh.vertex_count();
+        if (normals) normal_base_ += mesh.normals.values.size();
+        face_base_ += mesh.face_count();
+    }
+
+    // Before the mesh's faces: what states those leave behind is not theirs.
+    void loose(const Mesh& mesh) {
+        if (mesh.line_vertices.empty() && mesh.points.empty()) return;
+        state(mesh, no_index, no_index);
         for (std::size_t l = 0; l + 1 < mesh.line_offsets.size(); ++l) {
             text_.text() += 'l';
             for (Index k = mesh.line_offsets[l]; k < mesh.line_offsets[l + 1]; ++k)
@@ -166,10 +177,14 @@ class ObjWriter {
         }
         for (const Index v : mesh.points)
             text_.text() += fmt::format("p {}\n", vertex_base_ + v + 1);
-        tags(mesh);
-        vertex_base_ += mesh.vertex_count();
-        if (normals) normal_base_ += mesh.normals.values.size();
-        face_base_ += mesh.face_count();
+    }
+
+    // Of what follows.
+    void state(const Mesh& mesh, Index of_part, Index material) {
+        part(mesh, of_part);
+        if (material != material_)
+            text_.text() += fmt::format("usemtl {}\n", materials_.name(material));
+        material_ = material;
     }
 
     // Of the faces with the material.
@@ -227,11 +242,9 @@ class ObjWriter {
             const Index p = value(mesh.face_parts, f, no_index);
             const Index m = value(mesh.face_materials, f, no_index);
             const Index s = value(mesh.face_smoothing, f, 0);
-            part(mesh, p);
-            if (m != material_) text_.text() += fmt::format("usemtl {}\n", materials_.name(m));
+            state(mesh, p, m);
             if (s != smoothing_)
                 text_.text() += s ? fmt::format("s {}\n", s) : std::string("s off\n");
-            material_ = m;
             smoothing_ = s;
             std::size_t end = f + 1;
             while (end < mesh.face_count() && value(mesh.face_parts, end, no_index) == p &&

@@ -29,11 +29,22 @@ class Lines {
         return false;
     }
     std::size_t number() const { return number_; }
+    // Geomview reads numbers wherever lines end: where another is due, the next line may have it.
+    // `line` is then that one.
+    bool goes_on(LineScanner& scan, std::string_view& line) {
+        if (!scan.at_end()) return true;
+        if (!next(line)) return false;
+        scan = LineScanner(line);
+        if (!first_wrapped_) first_wrapped_ = number_;
+        return true;
+    }
+    // The first line that began amid the numbers of a vertex or a face; 0: none did.
+    std::size_t first_wrapped() const { return first_wrapped_; }
     std::size_t bytes_left() const { return text_.size(); }
 
   private:
     std::string_view text_;
-    std::size_t number_ = 0;
+    std::size_t number_ = 0, first_wrapped_ = 0;
 };
 
 struct Header {
@@ -91,9 +102,17 @@ class OffParser {
             }
         }
         std::int64_t edges = 0;
-        const bool good = scan.integer(header_.vertices) && (scan.skip_blanks(), true) &&
-                          scan.integer(header_.faces) && (scan.skip_blanks(), true) &&
-                          (scan.at_end() || scan.integer(edges));
+        scan.skip_blanks();
+        bool good = scan.integer(header_.vertices) && lines_.goes_on(scan, line) &&
+                    scan.integer(header_.faces);
+        // The number of edges may be missing; alone in a line, it is no vertex.
+        const Lines before = lines_;
+        const bool one_line = !lines_.first_wrapped();
+        if (good && !scan.at_end())
+            good = scan.integer(edges);
+        else if (good && !one_line && lines_.goes_on(scan, line) &&
+                 !(scan.integer(edges) && scan.at_end()))
+            lines_ = before;
         if (!good || header_.vertices < 0 || header_.faces < 0)
             return fail("expected OFF and the numbers of vertices, faces and edges", line);
         // A vertex takes at least 6 bytes of text ("0 0 0\n"), a face 2.
@@ -122,16 +141,23 @@ class OffParser {
             LineScanner scan(line);
             glm::dvec3 p, n(0.0);
             double w = 1;
-            bool good = scan.number(p.x) && scan.number(p.y) && scan.number(p.z);
+            const std::size_t began = lines_.number();
+            const auto number = [&](double& to) {
+                return lines_.goes_on(scan, line) && scan.number(to);
+            };
+            bool good = number(p.x) && number(p.y) && number(p.z);
             if (good && header_.four) {
-                good = scan.number(w);
+                good = number(w);
                 if (good && w != 0 && w != 1) p /= w;
             }
             if (good && header_.n) {
-                good = scan.number(n.x) && scan.number(n.y) && scan.number(n.z);
+                good = number(n.x) && number(n.y) && number(n.z);
                 normals_.push_back(glm::vec3(n));
             }
-            if (!good) return fail("expected coordinates", line);
+            // A vertex that has too few must not take of the next one's.
+            const bool wrapped = lines_.number() != began;
+            if (!good || (wrapped && !header_.c && !header_.st && !scan.at_end()))
+                return fail("expected coordinates", line);
             if (header_.c) (void)color(scan, header_.st ? 2 : 0, colors_.emplace_back());
             glm::dvec2 uv(0.0);
             if (header_.st && !scan.at_end()) {
@@ -209,7 +235,11 @@ class OffParser {
         for (std::int64_t f = 0; f < header_.faces; ++f) {
             if (!lines_.next(line))
                 return fail("the file ends after " + std::to_string(f) + " of " +
-                                std::to_string(header_.faces) + " faces",
+                                std::to_string(header_.faces) + " faces" +
+                                (lines_.first_wrapped()
+                                     ? "; line " + std::to_string(lines_.first_wrapped()) +
+                                           " was read as the rest of the one before"
+                                     : ""),
                             "");
             LineScanner scan(line);
             scan.skip_blanks();
@@ -219,8 +249,7 @@ class OffParser {
             const std::size_t first = mesh.corner_vertices.size();
             for (std::int64_t k = 0; k < corners; ++k) {
                 std::int64_t v = 0;
-                scan.skip_blanks();
-                if (!scan.integer(v))
+                if (!lines_.goes_on(scan, line) || !scan.integer(v))
                     return fail("expected " + std::to_string(corners) + " vertex indices", line);
                 if (v < 0 || v >= header_.vertices)
                     return fail("vertex index " + std::to_string(v) +

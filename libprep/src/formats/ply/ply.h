@@ -27,7 +27,7 @@ class PictureSearch;
 // faces where vertices have no colours; tristrips; edges; other elements and properties are
 // skipped. A file without faces is a point cloud. Each "comment TextureFile NAME", as MeshLab and
 // others write it, is a material with that picture for its colour; texnumber says which of them a
-// face has, the first is the default.
+// face has, the first where it is missing, none where it is negative or (told) beyond the last.
 //
 // One mesh and one node. `name` is for messages. Errors: syntax, invalid (an index out of range),
 // unsupported, limit; place = "name:line" in text and "name, byte N" in binary files.

@@ -275,10 +275,12 @@ class PlyParser {
         return false;
     }
 
-    // Outside of the list, and below 0 for "none": the first, as other readers have it.
+    // Below 0, as MeshLab writes "none", the one behind the pictures'; of what the file has no
+    // picture for, the next.
     std::uint32_t material_of(double texture) const {
-        const bool known = texture >= 0 && texture < double(header_.textures.size());
-        return known ? std::uint32_t(texture) : 0;
+        const std::size_t count = header_.textures.size();
+        if (texture < 0) return std::uint32_t(count);
+        return std::uint32_t(texture < double(count) ? std::size_t(texture) : count + 1);
     }
 
     static bool lists_uvs(const PlyProperty& p) { return p.list && p.name == "texcoord"; }
@@ -314,6 +316,28 @@ class PlyParser {
         if (pictures_)
             for (std::string& warning : pictures_->warnings())
                 scene_.warnings.push_back(std::move(warning));
+        without_picture(mesh);
+    }
+
+    void without_picture(Mesh& mesh) {
+        const auto none = std::uint32_t(scene_.materials.size());
+        std::size_t unknown = 0;
+        bool any = false;
+        for (std::uint32_t& material : mesh.face_materials) {
+            if (material < none) continue;
+            any = true;
+            unknown += material > none;
+            material = none;
+        }
+        if (!any) return;
+        Material& plain = scene_.materials.emplace_back();
+        plain.name = "no picture";
+        plain.diffuse = glm::vec4(1.0f);
+        plain.specular = usual_specular(plain.shininess);
+        if (unknown > 0)
+            scene_.warnings.push_back(name_ + ": " + std::to_string(unknown) +
+                                      (unknown == 1 ? " face has" : " faces have") +
+                                      " a texnumber that the file has no picture for: none");
     }
 
     Result<void> add_corner(double value, Mesh& mesh) {

@@ -179,6 +179,8 @@ class AsciiParser {
         if (part_names_.size() > 1) {
             mesh.face_parts = std::move(parts_);
             mesh.parts = std::move(part_names_);
+        } else if (part_names_.size() == 1 && !part_names_[0].empty()) {
+            mesh.name = std::move(part_names_[0]);
         }
         instance_unused_meshes(scene);
         if (odd_facets_ > 0)
