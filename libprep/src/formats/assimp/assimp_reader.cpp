@@ -20,10 +20,16 @@
 namespace prep::detail {
 namespace {
 
+// Readers that give the parts of a mesh no name, and a node one mesh alone.
+bool splits_unnamed_meshes(const aiScene& scene) {
+    return is_by(scene, "AC3D Importer") || is_by(scene, "ASE Importer") ||
+           is_by(scene, "LightWave/Modo Object Importer");
+}
+
 // Skins, animations, cameras and lights are told by the names of nodes: nodes come before them.
-Result<Scene> read_scene(const aiScene& from, const std::filesystem::path& path,
+Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
                          const LoadOptions& options) {
-    AssimpImport import{from, path, {}, {}};
+    AssimpImport import{from, path, {}, {}, join_split_meshes(from, splits_unnamed_meshes(from))};
     import.scene.name = path.filename().string();
     import_materials(import, options);
     import_sides(import);
@@ -135,7 +141,8 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
         if (!scene || !scene->mRootNode)
             return Error{ErrorCode::syntax, std::string("Assimp: ") + importer->GetErrorString(),
                          path.string()};
-        auto read = read_scene(*scene, path, options);
+        const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
+        auto read = read_scene(*own, path, options);
         std::error_code ec;
         std::erase_if(others, [&](const std::filesystem::path& file) {
             return std::filesystem::equivalent(file, path, ec);

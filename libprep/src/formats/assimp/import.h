@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "formats/assimp/counted_names.h"
+#include "formats/assimp/split_meshes.h"
 #include "prep/load.h"
 #include "prep/result.h"
 #include "prep/scene.h"
@@ -47,18 +48,21 @@ struct AssimpNodes {
     }
 };
 
+// By which of Assimp's readers.
+inline bool is_by(const aiScene& scene, std::string_view reader) {
+    aiString name;
+    return scene.mMetaData && scene.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, name) &&
+           std::string_view(name.data, name.length).find(reader) != std::string_view::npos;
+}
+
 struct AssimpImport {
     const aiScene& from;
     const std::filesystem::path& path;
     Scene scene;
     AssimpNodes nodes;
+    MeshParts parts = {};
 
-    // By which of Assimp's readers.
-    bool is_by(std::string_view reader) const {
-        aiString name;
-        return from.mMetaData && from.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, name) &&
-               std::string_view(name.data, name.length).find(reader) != std::string_view::npos;
-    }
+    bool is_by(std::string_view reader) const { return detail::is_by(from, reader); }
     // "3 keys …", "1 key …" in the scene's warnings; nothing for a count of 0.
     void warn(std::uint64_t count, const char* one, const char* many, const std::string& rest) {
         add(count, one, many, rest, scene.warnings);

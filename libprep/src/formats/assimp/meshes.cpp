@@ -1,5 +1,7 @@
 // Meshes as they are, and their morph targets: nothing joined, nothing triangulated.
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/srgb.h"
 #include "formats/assimp/import.h"
@@ -14,7 +16,8 @@ class MeshImport {
     explicit MeshImport(AssimpImport& import)
         : import_(import), path_(import.path), scene_(import.scene) {}
 
-    Result<void> mesh(const aiMesh& in) {
+    // `parts`: those of mesh `in`, if it was joined.
+    Result<void> mesh(const aiMesh& in, std::span<const MeshPart> parts) {
         Mesh out;
         out.name = text(in.mName);
         std::vector<glm::dvec3> positions(in.mNumVertices);
@@ -39,7 +42,7 @@ class MeshImport {
                 append(out.points);
             }
         }
-        out.face_materials.assign(out.face_count(), in.mMaterialIndex);
+        materials(in, parts, out);
         if (in.HasNormals() && out.corner_count() > 0) {
             for (unsigned v = 0; v < in.mNumVertices; ++v)
                 out.normals.values.push_back(
@@ -59,6 +62,7 @@ class MeshImport {
             out.colors.push_back({colors(in, s), out.corner_vertices});
             if (import_.is_by("Blender")) scale_bytes(out.colors.back().values);
         }
+        leave_out(parts, out);
         for (unsigned t = 0; t < in.mNumAnimMeshes; ++t) target(in, *in.mAnimMeshes[t], out);
         // What moves by vertex stays as it is: equal positions are one point for adjacency only.
         out.indexed_by_vertex = !out.morph_targets.empty() || in.mNumBones > 0;
@@ -81,6 +85,35 @@ class MeshImport {
     }
 
   private:
+    static const MeshPart& part_of(std::span<const MeshPart> parts, Index vertex) {
+        const auto after =
+            std::upper_bound(parts.begin(), parts.end(), vertex,
+                             [](Index v, const MeshPart& part) { return v < part.first_vertex; });
+        return after[-1];
+    }
+
+    static void materials(const aiMesh& in, std::span<const MeshPart> parts, Mesh& out) {
+        out.face_materials.assign(out.face_count(), in.mMaterialIndex);
+        if (parts.empty()) return;
+        for (std::size_t f = 0; f < out.face_count(); ++f)
+            out.face_materials[f] =
+                part_of(parts, out.corner_vertices[out.face_offsets[f]]).material;
+    }
+
+    // Values that stand for those that a part has not.
+    static void leave_out(std::span<const MeshPart> parts, Mesh& out) {
+        if (parts.empty()) return;
+        for (std::size_t c = 0; c < out.corner_count(); ++c) {
+            const MeshPart& part = part_of(parts, out.corner_vertices[c]);
+            if (!part.normals && !out.normals.empty()) out.normals.indices[c] = no_index;
+            if (!part.tangents && !out.tangents.empty()) out.tangents.indices[c] = no_index;
+            for (std::size_t s = part.uv_sets; s < out.uvs.size(); ++s)
+                out.uvs[s].indices[c] = no_index;
+            for (std::size_t s = part.color_sets; s < out.colors.size(); ++s)
+                out.colors[s].indices[c] = no_index;
+        }
+    }
+
     static bool finite(const glm::vec3& v) {
         return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     }
@@ -245,7 +278,11 @@ class MeshImport {
 Result<void> import_meshes(AssimpImport& import) {
     MeshImport meshes(import);
     for (unsigned m = 0; m < import.from.mNumMeshes; ++m)
-        if (auto done = meshes.mesh(*import.from.mMeshes[m]); !done) return done;
+        if (auto done =
+                meshes.mesh(*import.from.mMeshes[m],
+                            import.parts.empty() ? std::span<const MeshPart>() : import.parts[m]);
+            !done)
+            return done;
     meshes.warn();
     return {};
 }

@@ -1,0 +1,317 @@
+#include "formats/assimp/split_meshes.h"
+
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "formats/assimp/import.h"
+
+namespace prep::detail {
+namespace {
+
+using MeshNumbers = std::vector<unsigned>;
+
+// The arrays of all parts, one after the other; null where no part has it. `list`: what a part has,
+// `otherwise`: what stands for it where it has none and is nothing but 0 where that is null, too.
+template <class T, class List, class Otherwise>
+T* joined(const std::vector<const aiMesh*>& parts, unsigned count, List list, Otherwise otherwise) {
+    if (std::none_of(parts.begin(), parts.end(), [&](const aiMesh* m) { return list(*m); }))
+        return nullptr;
+    T* const out = new T[count];
+    T* to = out;
+    for (const aiMesh* part : parts) {
+        const T* from = list(*part);
+        if (!from) from = otherwise(*part);
+        to = from ? std::copy_n(from, part->mNumVertices, to)
+                  : std::fill_n(to, part->mNumVertices, T());
+    }
+    return out;
+}
+template <class T, class List>
+T* joined(const std::vector<const aiMesh*>& parts, unsigned count, List list) {
+    return joined<T>(parts, count, list, [](const aiMesh&) -> const T* { return nullptr; });
+}
+
+void join_faces(const std::vector<const aiMesh*>& parts, aiMesh& out) {
+    for (const aiMesh* part : parts) out.mNumFaces += part->mNumFaces;
+    out.mFaces = new aiFace[out.mNumFaces];
+    aiFace* face = out.mFaces;
+    unsigned first = 0;
+    for (const aiMesh* part : parts) {
+        for (unsigned f = 0; f < part->mNumFaces; ++f, ++face) {
+            *face = part->mFaces[f];
+            for (unsigned k = 0; k < face->mNumIndices; ++k) face->mIndices[k] += first;
+        }
+        first += part->mNumVertices;
+    }
+}
+
+// A bone of several parts is one where it is bound alike.
+void join_bones(const std::vector<const aiMesh*>& parts, aiMesh& out) {
+    using Key = std::pair<std::string, std::array<ai_real, 16>>;
+    std::map<Key, std::size_t> known;
+    std::vector<std::unique_ptr<aiBone>> bones;
+    std::vector<std::vector<aiVertexWeight>> weights;
+    unsigned first = 0;
+    for (const aiMesh* part : parts) {
+        for (unsigned b = 0; b < part->mNumBones; ++b) {
+            const aiBone& from = *part->mBones[b];
+            Key key{std::string(from.mName.data, from.mName.length), {}};
+            for (unsigned i = 0; i < 16; ++i) key.second[i] = from.mOffsetMatrix[i / 4][i % 4];
+            const auto [at, fresh] = known.emplace(std::move(key), bones.size());
+            if (fresh) {
+                bones.push_back(std::make_unique<aiBone>());
+                bones.back()->mName = from.mName;
+                bones.back()->mOffsetMatrix = from.mOffsetMatrix;
+                weights.emplace_back();
+            }
+            for (unsigned w = 0; w < from.mNumWeights; ++w) {
+                // One of a vertex that is not there must not become another part's.
+                if (from.mWeights[w].mVertexId >= part->mNumVertices) continue;
+                weights[at->second].emplace_back(first + from.mWeights[w].mVertexId,
+                                                 from.mWeights[w].mWeight);
+            }
+        }
+        first += part->mNumVertices;
+    }
+    if (bones.empty()) return;
+    out.mNumBones = unsigned(bones.size());
+    out.mBones = new aiBone*[bones.size()];
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+        bones[b]->mNumWeights = unsigned(weights[b].size());
+        bones[b]->mWeights = new aiVertexWeight[weights[b].size()];
+        std::copy(weights[b].begin(), weights[b].end(), bones[b]->mWeights);
+        out.mBones[b] = bones[b].release();
+    }
+}
+
+// A target leads to positions, not by differences: what a part's has not stays where it is.
+void join_targets(const std::vector<const aiMesh*>& parts, aiMesh& out) {
+    out.mNumAnimMeshes = parts[0]->mNumAnimMeshes;
+    if (out.mNumAnimMeshes == 0) return;
+    out.mAnimMeshes = new aiAnimMesh*[out.mNumAnimMeshes];
+    for (unsigned t = 0; t < out.mNumAnimMeshes; ++t) {
+        aiAnimMesh& target = *(out.mAnimMeshes[t] = new aiAnimMesh());
+        target.mName = parts[0]->mAnimMeshes[t]->mName;
+        target.mWeight = parts[0]->mAnimMeshes[t]->mWeight;
+        target.mNumVertices = out.mNumVertices;
+        const auto vectors = [&](aiVector3D* aiAnimMesh::*list, aiVector3D* aiMesh::*otherwise) {
+            return joined<aiVector3D>(
+                parts, out.mNumVertices, [&](const aiMesh& m) { return m.mAnimMeshes[t]->*list; },
+                [&](const aiMesh& m) { return m.*otherwise; });
+        };
+        target.mVertices = vectors(&aiAnimMesh::mVertices, &aiMesh::mVertices);
+        target.mNormals = vectors(&aiAnimMesh::mNormals, &aiMesh::mNormals);
+        target.mTangents = vectors(&aiAnimMesh::mTangents, &aiMesh::mTangents);
+        target.mBitangents = vectors(&aiAnimMesh::mBitangents, &aiMesh::mBitangents);
+        for (unsigned s = 0; s < AI_MAX_NUMBER_OF_TEXTURECOORDS; ++s)
+            target.mTextureCoords[s] = joined<aiVector3D>(
+                parts, out.mNumVertices,
+                [&](const aiMesh& m) { return m.mAnimMeshes[t]->mTextureCoords[s]; },
+                [&](const aiMesh& m) { return m.mTextureCoords[s]; });
+        for (unsigned s = 0; s < AI_MAX_NUMBER_OF_COLOR_SETS; ++s)
+            target.mColors[s] = joined<aiColor4D>(
+                parts, out.mNumVertices,
+                [&](const aiMesh& m) { return m.mAnimMeshes[t]->mColors[s]; },
+                [&](const aiMesh& m) { return m.mColors[s]; });
+    }
+}
+
+std::unique_ptr<aiMesh> joined_mesh(const std::vector<const aiMesh*>& parts) {
+    auto out = std::make_unique<aiMesh>();
+    out->mName = parts[0]->mName;
+    out->mMaterialIndex = parts[0]->mMaterialIndex;
+    out->mMethod = parts[0]->mMethod;
+    for (const aiMesh* part : parts) {
+        out->mNumVertices += part->mNumVertices;
+        out->mPrimitiveTypes |= part->mPrimitiveTypes;
+        for (unsigned s = 0; s < AI_MAX_NUMBER_OF_TEXTURECOORDS; ++s) {
+            out->mNumUVComponents[s] =
+                std::max(out->mNumUVComponents[s], part->mNumUVComponents[s]);
+            if (part->HasTextureCoordsName(s) && !out->HasTextureCoordsName(s))
+                out->SetTextureCoordsName(s, *part->mTextureCoordsNames[s]);
+        }
+    }
+    const auto vectors = [&](aiVector3D* aiMesh::*list) {
+        return joined<aiVector3D>(parts, out->mNumVertices,
+                                  [&](const aiMesh& m) { return m.*list; });
+    };
+    out->mVertices = vectors(&aiMesh::mVertices);
+    out->mNormals = vectors(&aiMesh::mNormals);
+    out->mTangents = vectors(&aiMesh::mTangents);
+    out->mBitangents = vectors(&aiMesh::mBitangents);
+    for (unsigned s = 0; s < AI_MAX_NUMBER_OF_TEXTURECOORDS; ++s)
+        out->mTextureCoords[s] = joined<aiVector3D>(
+            parts, out->mNumVertices, [&](const aiMesh& m) { return m.mTextureCoords[s]; });
+    for (unsigned s = 0; s < AI_MAX_NUMBER_OF_COLOR_SETS; ++s)
+        out->mColors[s] = joined<aiColor4D>(parts, out->mNumVertices,
+                                            [&](const aiMesh& m) { return m.mColors[s]; });
+    join_faces(parts, *out);
+    join_bones(parts, *out);
+    join_targets(parts, *out);
+    return out;
+}
+
+bool is_bare(const aiNode& node) {
+    return node.mNumMeshes == 1 && node.mNumChildren == 0 && node.mTransformation.IsIdentity();
+}
+
+// Files of 3DS without a hierarchy: each part has a node of its own below the root. Those of the
+// parts of one name, in a row, become one.
+void gather_parts(aiScene& scene) {
+    aiNode& root = *scene.mRootNode;
+    const auto name = [&](const aiNode& node) -> const aiString* {
+        return is_bare(node) && node.mMeshes[0] < scene.mNumMeshes
+                   ? &scene.mMeshes[node.mMeshes[0]]->mName
+                   : nullptr;
+    };
+    unsigned kept = 0;
+    for (unsigned c = 0; c < root.mNumChildren;) {
+        const aiString* const first = name(*root.mChildren[c]);
+        MeshNumbers meshes;
+        unsigned end = c;
+        for (; first && end < root.mNumChildren; ++end) {
+            const aiString* const next = name(*root.mChildren[end]);
+            if (!next || !(*next == *first)) break;
+            meshes.push_back(root.mChildren[end]->mMeshes[0]);
+        }
+        aiNode* const node = root.mChildren[kept++] = root.mChildren[c];
+        if (meshes.size() > 1) {
+            auto list = std::make_unique<unsigned[]>(meshes.size());
+            std::copy(meshes.begin(), meshes.end(), list.get());
+            delete[] std::exchange(node->mMeshes, list.release());
+            node->mNumMeshes = unsigned(meshes.size());
+            for (unsigned i = c + 1; i < end; ++i) delete root.mChildren[i];
+        }
+        c = std::max(end, c + 1);
+    }
+    root.mNumChildren = kept;
+}
+
+class Joiner {
+  public:
+    Joiner(aiScene& scene, bool unnamed_too) : scene_(scene), unnamed_too_(unnamed_too) {}
+
+    MeshParts run() {
+        std::vector<std::pair<aiNode*, std::vector<MeshNumbers>>> nodes;
+        std::vector<aiNode*> open{scene_.mRootNode};
+        while (!open.empty()) {
+            aiNode* const node = open.back();
+            open.pop_back();
+            if (!node) continue;
+            open.insert(open.end(), node->mChildren, node->mChildren + node->mNumChildren);
+            if (node->mNumMeshes > 0) nodes.emplace_back(node, groups(*node));
+        }
+        // By their numbers, so that the order of meshes is that of their first parts.
+        std::map<MeshNumbers, unsigned> places;
+        std::vector<bool> used(scene_.mNumMeshes, false);
+        for (const auto& [node, of_node] : nodes)
+            for (const MeshNumbers& group : of_node) {
+                places.emplace(group, 0);
+                for (const unsigned m : group) used[m] = true;
+            }
+        for (unsigned m = 0; m < scene_.mNumMeshes; ++m)
+            if (!used[m]) places.emplace(MeshNumbers{m}, 0);
+        if (!any_) return {};
+        rebuild(places);
+        for (auto& [node, of_node] : nodes) {
+            node->mNumMeshes = unsigned(of_node.size());
+            for (std::size_t g = 0; g < of_node.size(); ++g)
+                node->mMeshes[g] = places.at(of_node[g]);
+        }
+        return std::move(parts_);
+    }
+
+  private:
+    // Of one name.
+    bool are_one(unsigned a, unsigned b) const {
+        const aiMesh &first = *scene_.mMeshes[a], &second = *scene_.mMeshes[b];
+        if (first.mName.length == 0 && !unnamed_too_) return false;
+        if (first.mNumAnimMeshes != second.mNumAnimMeshes) return false;
+        for (const aiMesh* mesh : {&first, &second})
+            for (unsigned t = 0; t < mesh->mNumAnimMeshes; ++t)
+                if (mesh->mAnimMeshes[t]->mNumVertices != mesh->mNumVertices) return false;
+        return true;
+    }
+
+    // What the node has, in the order in which it names the first of each.
+    std::vector<MeshNumbers> groups(const aiNode& node) {
+        std::vector<MeshNumbers> out;
+        struct Open {
+            std::size_t group;
+            std::uint64_t vertices;
+        };
+        std::map<std::string, Open> by_name;
+        std::set<unsigned> seen;
+        for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+            const unsigned m = node.mMeshes[i];
+            if (m >= scene_.mNumMeshes) continue;
+            const aiMesh& mesh = *scene_.mMeshes[m];
+            const auto [at, fresh] =
+                by_name.emplace(std::string(mesh.mName.data, mesh.mName.length), Open{});
+            Open& open = at->second;
+            if (seen.insert(m).second && !fresh && are_one(out[open.group][0], m) &&
+                open.vertices + mesh.mNumVertices <= AI_MAX_VERTICES) {
+                out[open.group].push_back(m);
+                open.vertices += mesh.mNumVertices;
+                any_ = true;
+                continue;
+            }
+            open = {out.size(), mesh.mNumVertices};
+            out.push_back({m});
+        }
+        return out;
+    }
+
+    std::unique_ptr<aiMesh> join(const MeshNumbers& group, std::vector<MeshPart>& parts) const {
+        std::vector<const aiMesh*> from;
+        unsigned first = 0;
+        for (const unsigned m : group) {
+            const aiMesh& mesh = *scene_.mMeshes[m];
+            from.push_back(&mesh);
+            parts.push_back({first, mesh.mMaterialIndex, mesh.mNormals != nullptr,
+                             mesh.mTangents && mesh.mBitangents, mesh.GetNumUVChannels(),
+                             mesh.GetNumColorChannels()});
+            first += mesh.mNumVertices;
+        }
+        return joined_mesh(from);
+    }
+
+    // The scene's list of meshes, as `places` has them; their new numbers go there.
+    void rebuild(std::map<MeshNumbers, unsigned>& places) {
+        std::vector<std::unique_ptr<aiMesh>> made;
+        for (auto& [group, place] : places) {
+            place = unsigned(made.size());
+            std::vector<MeshPart>& parts = parts_.emplace_back();
+            made.push_back(group.size() > 1 ? join(group, parts) : nullptr);
+        }
+        auto list = std::make_unique<aiMesh*[]>(made.size());
+        // From here on nothing throws.
+        for (const auto& [group, place] : places)
+            list[place] = group.size() > 1 ? made[place].release()
+                                           : std::exchange(scene_.mMeshes[group[0]], nullptr);
+        for (unsigned m = 0; m < scene_.mNumMeshes; ++m) delete scene_.mMeshes[m];
+        delete[] std::exchange(scene_.mMeshes, list.release());
+        scene_.mNumMeshes = unsigned(made.size());
+    }
+
+    aiScene& scene_;
+    const bool unnamed_too_;
+    bool any_ = false;  // group of several
+    MeshParts parts_;
+};
+
+}  // namespace
+
+MeshParts join_split_meshes(aiScene& scene, bool unnamed_too) {
+    if (scene.mRootNode && is_by(scene, "Discreet 3DS Importer")) gather_parts(scene);
+    return Joiner(scene, unnamed_too).run();
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,27 @@
+// Meshes that Assimp takes apart.
+#pragma once
+
+#include <vector>
+
+struct aiScene;
+
+namespace prep::detail {
+
+// The part of a mesh that came as one of Assimp's: vertices from `first_vertex` on.
+struct MeshPart {
+    unsigned first_vertex = 0, material = 0;
+    bool normals = false, tangents = false;
+    unsigned uv_sets = 0, color_sets = 0;
+};
+
+// Of each of the scene's meshes; empty for one that is not joined.
+using MeshParts = std::vector<std::vector<MeshPart>>;
+
+// Assimp gives a mesh of several materials as several, each with vertices of its own: surfaces that
+// end where materials meet, for repair, normals and subdivision. Those of one node that have one
+// name become one again, and those without names where `unnamed_too`; their faces one after the
+// other, their bones by name. Not where their morph targets differ in number. Nodes that share some
+// of the parts, and not all, each get a mesh.
+MeshParts join_split_meshes(aiScene& scene, bool unnamed_too);
+
+}  // namespace prep::detail
