@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 
+#include "formats/assimp/reader_limits.h"
 #include "mesh_files.h"
 #include "prep/load.h"
 #include "prep/version.h"
@@ -189,6 +190,114 @@ TEST(Dependencies, NameTheAssimpThatIsLoaded) {
     for (const prep::Dependency& dependency : prep::dependencies())
         if (dependency.name == "Assimp") named = dependency.version;
     EXPECT_EQ(named, loaded);
+}
+
+bool any_says(const std::vector<std::string>& texts, const std::string& text) {
+    return std::find(texts.begin(), texts.end(), text) != texts.end();
+}
+
+TEST(AssimpFormats, WhatItMisreadsIsTold) {
+    using prep::detail::misread_statements;
+    EXPECT_TRUE(misread_statements(".x3d", "<X3D><IndexedFaceSet ccw=\"true\"/></X3D>").empty());
+    EXPECT_TRUE(misread_statements(".dae", "<IndexedLineSet/><LOD/><rz>").empty());
+    for (const char* text : {"<IndexedLineSet", "ccw='false'", "colorPerVertex=\"false\"",
+                             "colorIndex='0 1 -1'", "<LOD>"})
+        EXPECT_EQ(misread_statements(".x3d", text).size(), 1u) << text;
+    const test::TempDir dir;
+    test::write_text(
+        dir / "a.amf",
+        "<?xml version=\"1.0\"?><amf><object id=\"0\"><mesh><vertices>"
+        "<vertex><coordinates><x>0</x><y>0</y><z>0</z></coordinates></vertex>"
+        "<vertex><coordinates><x>1</x><y>0</y><z>0</z></coordinates></vertex>"
+        "<vertex><coordinates><x>0</x><y>1</y><z>0</z></coordinates></vertex></vertices><volume>"
+        "<triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle></volume></mesh></object>"
+        "<constellation id=\"3\"><instance objectid=\"0\"><deltax>5</deltax><rz>90</rz>"
+        "</instance></constellation></amf>");
+    const auto scene = prep::load_scene(dir / "a.amf");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(any_says(scene->warnings, "Assimp reads rotations of instances as translations"));
+}
+
+TEST(AssimpFormats, LightsOfX3dHaveNoNamesOfMemory) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.x3d",
+                     "<?xml version=\"1.0\" encoding=\"UTF-8\"?><X3D profile=\"Immersive\" "
+                     "version=\"3.2\"><Scene><Shape><Sphere radius=\"2\"/></Shape>"
+                     "<DirectionalLight direction=\"0 0 -1\"/><PointLight location=\"0 9 0\"/>"
+                     "<SpotLight DEF=\"lamp\" location=\"0 8 0\"/></Scene></X3D>");
+    const auto scene = prep::load_scene(dir / "a.x3d");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->nodes[0].name, "a.x3d");
+    std::vector<std::string> names;
+    for (const prep::Node& node : scene->nodes)
+        if (node.light != prep::no_index) names.push_back(node.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"DirectionalLight", "PointLight", "lamp"}));
+    for (const prep::Light& light : scene->lights)
+        EXPECT_EQ(light.name.find_first_of("0123456789"), std::string::npos) << light.name;
+}
+
+TEST(AssimpFormats, MeshesOfMorphControllersAreToldAsMissing) {
+    const auto geometry = [](const char* id, const char* z) {
+        const std::string own = id;
+        const auto at = [&](const char* xy) { return std::string(xy) + ' ' + z + ' '; };
+        return "<geometry id=\"" + own + "\"><mesh><source id=\"" + own +
+               "-p\"><float_array id=\"" + own + "-a\" count=\"9\">" + at("0 0") + at("1 0") +
+               at("0 1") + "</float_array><technique_common><accessor source=\"#" + own +
+               "-a\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" "
+               "type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common>"
+               "</source><vertices id=\"" +
+               own + "-v\"><input semantic=\"POSITION\" source=\"#" + own +
+               "-p\"/></vertices><triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#" +
+               own + "-v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry>";
+    };
+    const test::TempDir dir;
+    test::write_text(
+        dir / "a.dae",
+        "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+        "version=\"1.4.1\"><library_geometries>" +
+            geometry("base", "0") + geometry("up", "1") +
+            "</library_geometries><library_controllers><controller id=\"c\"><morph "
+            "source=\"#base\" method=\"NORMALIZED\"><source id=\"t\"><IDREF_array id=\"t-a\" "
+            "count=\"1\">up</IDREF_array><technique_common><accessor source=\"#t-a\" count=\"1\" "
+            "stride=\"1\"><param name=\"MORPH_TARGET\" type=\"IDREF\"/></accessor>"
+            "</technique_common></source><source id=\"w\"><float_array id=\"w-a\" count=\"1\">0.5"
+            "</float_array><technique_common><accessor source=\"#w-a\" count=\"1\" stride=\"1\">"
+            "<param name=\"MORPH_WEIGHT\" type=\"float\"/></accessor></technique_common></source>"
+            "<targets><input semantic=\"MORPH_TARGET\" source=\"#t\"/><input "
+            "semantic=\"MORPH_WEIGHT\" source=\"#w\"/></targets></morph></controller>"
+            "</library_controllers><library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">"
+            "<instance_controller url=\"#c\"/></node></visual_scene></library_visual_scenes><scene>"
+            "<instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+    const auto scene = prep::load_scene(dir / "a.dae");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const bool kept = !scene->meshes.empty() && !scene->meshes[0].morph_targets.empty();
+    EXPECT_NE(kept,
+              any_says(scene->warnings,
+                       "Assimp reads nothing of morph controllers: their meshes are missing"));
+}
+
+TEST(AssimpFormats, AxesThatTheyTurnAreTold) {
+    const test::TempDir dir;
+    std::string dxf;
+    for (const char* line :
+         {"0",  "SECTION", "2",  "ENTITIES", "0",  "3DFACE", "8",      "L",  "10",
+          "0",  "20",      "0",  "30",       "0",  "11",     "4",      "21", "0",
+          "31", "0",       "12", "4",        "22", "3",      "32",     "0",  "13",
+          "0",  "23",      "3",  "33",       "0",  "0",      "ENDSEC", "0",  "EOF"})
+        dxf += std::string("  ") + line + "\n";
+    test::write_text(dir / "a.dxf", dxf);
+    auto scene = prep::load_scene(dir / "a.dxf");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(any_says(scene->remarks, "DXF files have z up: turned to y"));
+    test::write_text(dir / "a.ase",
+                     "*3DSMAX_ASCIIEXPORT 200\n*GEOMOBJECT {\n*NODE_NAME \"T\"\n*MESH {\n"
+                     "*MESH_NUMVERTEX 3\n*MESH_NUMFACES 1\n*MESH_VERTEX_LIST {\n"
+                     "*MESH_VERTEX 0 0 0 0\n*MESH_VERTEX 1 1 0 0\n*MESH_VERTEX 2 0 1 7\n}\n"
+                     "*MESH_FACE_LIST {\n*MESH_FACE 0: A: 0 B: 1 C: 2 AB: 1 BC: 1 CA: 1\n}\n}\n"
+                     "}\n");
+    scene = prep::load_scene(dir / "a.ase");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(any_says(scene->remarks, "ASE files have z up: turned to y"));
 }
 
 }  // namespace

@@ -84,4 +84,34 @@ TEST(PlyColors, PartOfAColourIsNone) {
               std::vector<std::string>{"test.ply: properties that were not taken: face red"});
 }
 
+TEST(PlyColors, PropertiesOfStripsAreTold) {
+    const auto scene = parse_colors(
+        color_header("ascii", "element vertex 3\n" + points + "element tristrips 1\n" +
+                                  "property list int int vertex_indices\n" + color_bytes) +
+        "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 255 0 0\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->warnings,
+              std::vector<std::string>{"test.ply: properties that were not taken: tristrips red, "
+                                       "tristrips green, tristrips blue"});
+}
+
+TEST(PlyColors, CornersWithoutUvsHaveThoseOfTheirVertices) {
+    const auto scene = parse_colors(
+        color_header("ascii", "element vertex 3\n" + points +
+                                  "property float s\nproperty float t\nelement face 2\n" + indices +
+                                  "property list uchar float texcoord\n") +
+        "0 0 0 0.25 0.25\n1 0 0 0.5 0.5\n1 1 0 0.75 0.75\n"
+        "3 0 1 2 6 0 0 1 0 1 1\n3 2 1 0 0\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& mesh = scene->meshes[0];
+    ASSERT_EQ(mesh.uvs.size(), 1u);
+    const glm::vec2 expected[] = {{0, 1},         {1, 1},       {1, 0},
+                                  {0.75f, 0.25f}, {0.5f, 0.5f}, {0.25f, 0.75f}};
+    for (std::size_t c = 0; c < 6; ++c)
+        EXPECT_EQ(mesh.uvs[0].values[mesh.uvs[0].indices[c]], expected[c]) << c;
+    EXPECT_EQ(scene->warnings,
+              std::vector<std::string>{
+                  "test.ply: UVs of vertices were taken where faces have none alone"});
+}
+
 }  // namespace

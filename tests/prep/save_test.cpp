@@ -515,6 +515,23 @@ TEST(ObjRoundTrip, SubdivisionTags) {
         "t interpolateboundary 1/0/0 2\nt facevaryinginterpolateboundary 1/0/0 3\n");
 }
 
+// Where some have one: OBJ alone holds that.
+TEST(Save, FormatsOfAllUvsOrNoneTellOfThoseThatAreMissing) {
+    const test::TempDir dir;
+    const prep::Scene scene =
+        parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.5\nf 1/1 2/1 3\nf 1 3 2\nf 1/1 2/1 3/1\n");
+    for (const auto& [ending, format] : std::vector<std::pair<std::string, std::string>>{
+             {"glb", "glTF"}, {"ply", "PLY"}, {"off", "OFF"}, {"obj", "OBJ"}, {"stl", "STL"}}) {
+        const auto notes = prep::save_scene(test::untouched(scene), dir / ("a." + ending));
+        ASSERT_TRUE(notes.has_value()) << ending;
+        EXPECT_EQ(std::count(notes->begin(), notes->end(),
+                             format + " holds UVs of all corners or of none: 4 corners without "
+                                      "one got zeros"),
+                  ending == "obj" || ending == "stl" ? 0 : 1)
+            << ending;
+    }
+}
+
 TEST(Save, OtherFormatsTellOfSubdivisionTags) {
     const test::TempDir dir;
     const prep::Scene scene = parse(

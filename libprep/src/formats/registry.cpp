@@ -96,7 +96,7 @@ const std::vector<Format>& formats() {
          is_obj,
          load_wavefront,
          write_obj,
-         {.materials = true, .subdivision = true}},
+         {.partial_uvs = true, .materials = true, .subdivision = true}},
         {{"PLY", "PLY", {".ply"}, {".ply"}},
          is_ply,
          load_polygons,

@@ -18,6 +18,7 @@ struct FormatHolds {
     bool everything = false;      // the writer says itself what it leaves out
     bool corner_values = true;    // values by corner; false: by split vertex
     bool uvs = true;
+    bool partial_uvs = false;  // those of some corners alone
     bool float_colors = true;  // false: none, or integers
     bool materials = false;
     bool subdivision = false;  // its tags

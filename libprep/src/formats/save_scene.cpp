@@ -54,6 +54,23 @@ void note_loose_parts(const PreparedScene& prepared, std::vector<std::string>& n
             (loose == 1 ? " primitive were left out" : " primitives were left out"));
 }
 
+void note_missing_uvs(const PreparedScene& prepared, const std::string& format,
+                      std::vector<std::string>& notes) {
+    std::size_t missing = 0;
+    for (const Mesh& mesh : prepared.scene.meshes)
+        for (const auto& set : mesh.uvs) {
+            std::uint32_t largest = 0;  // one pass that is as fast as memory, for most meshes
+            for (const std::uint32_t i : set.indices) largest = std::max(largest, i);
+            if (largest == no_index)
+                missing +=
+                    std::size_t(std::count(set.indices.begin(), set.indices.end(), no_index));
+        }
+    if (missing > 0)
+        notes.push_back(
+            format + " holds UVs of all corners or of none: " + std::to_string(missing) +
+            (missing == 1 ? " corner without one got zeros" : " corners without one got zeros"));
+}
+
 void note_subdivision(const PreparedScene& prepared, const std::string& format,
                       std::vector<std::string>& notes) {
     std::size_t tags = 0;
@@ -209,6 +226,8 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     auto notes = format->write(prepared, path, options);
     if (notes && !(format->holds.everything && prepared.scene.retained_file))
         detail::note_loose_parts(prepared, *notes);
+    if (notes && format->holds.uvs && !format->holds.partial_uvs && !prepared.scene.retained_file)
+        detail::note_missing_uvs(prepared, std::string(format->file.name), *notes);
     if (notes && !format->holds.subdivision)
         detail::note_subdivision(prepared, std::string(format->file.name), *notes);
     if (notes && !format->holds.everything) {

@@ -13,9 +13,11 @@
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/md5_numbers.h"
+#include "formats/assimp/reader_limits.h"
 #include "formats/assimp/utf16.h"
 #include "formats/reader_backend.h"
 #include "prep/files.h"
+#include "text/lower_case.h"
 
 namespace prep::detail {
 namespace {
@@ -36,6 +38,9 @@ Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
     if (auto done = import_meshes(import); !done) return std::move(done).error();
     settle_uv_sets(import);
     if (auto done = import_nodes(import); !done) return std::move(done).error();
+    // X3D's root has the name by which the file was opened.
+    std::vector<Node>& nodes = import.scene.nodes;
+    if (!nodes.empty() && nodes[0].name == path.string()) nodes[0].name = import.scene.name;
     import_units(import);
     import_skins(import);
     share_vertices_of_corners(import);
@@ -70,27 +75,65 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
     return bytes ? utf8_of_utf16(*bytes) : std::nullopt;
 }
 
+// The file's, which `bytes` then holds, or what it was converted to.
+Result<std::string_view> text_of(const std::filesystem::path& path,
+                                 const std::optional<std::string>& converted,
+                                 std::vector<std::byte>& bytes) {
+    if (converted) return std::string_view(*converted);
+    auto read = read_file(path);
+    if (!read) return read.error();
+    bytes = *std::move(read);
+    return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
 // Numbers that Assimp does not survive, as far as they are beyond the file. `converted`: the text
 // that Assimp is given in place of the file's.
 Result<void> check_md5_numbers(const std::filesystem::path& path,
                                const std::optional<std::string>& converted) {
     if (::strcasecmp(path.extension().c_str(), ".md5mesh") != 0) return {};
     std::vector<std::byte> bytes;
-    std::string_view text;
-    if (converted) {
-        text = *converted;
-    } else {
-        auto read = read_file(path);
-        if (!read) return read.error();
-        bytes = *std::move(read);
-        text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    }
-    const auto excess = md5_excess(text);
+    const auto text = text_of(path, converted, bytes);
+    if (!text) return text.error();
+    const auto excess = md5_excess(*text);
     if (!excess) return {};
     return Error{ErrorCode::invalid,
                  "'" + excess->statement + "' is beyond what a file of " +
-                     std::to_string(text.size()) + " bytes can hold",
+                     std::to_string(text->size()) + " bytes can hold",
                  path.string() + ':' + std::to_string(excess->line)};
+}
+
+// Into the scene's warnings and remarks.
+void tell_limits(const std::filesystem::path& path, const std::optional<std::string>& converted,
+                 Scene& scene) {
+    const std::string ending = lower_case(path.extension().string());
+    if (ending == ".3mf")
+        scene.remarks.emplace_back(
+            "Assimp reads no colours of triangles, no transparency and no unit of 3MF files");
+    if (ending != ".x3d" && ending != ".amf" && ending != ".dae") return;
+    std::vector<std::byte> bytes;
+    const auto text = text_of(path, converted, bytes);
+    if (!text) return;  // Assimp has read it a moment ago
+    for (std::string& sentence : misread_statements(ending, *text))
+        scene.warnings.push_back(std::move(sentence));
+    if (ending == ".dae" && text->find("<morph ") != std::string_view::npos &&
+        std::all_of(scene.meshes.begin(), scene.meshes.end(),
+                    [](const Mesh& mesh) { return mesh.morph_targets.empty(); }))
+        scene.warnings.emplace_back(
+            "Assimp reads nothing of morph controllers: their meshes are missing");
+}
+
+// Assimp names lights of X3D that have no name by where they lie in memory: another in each run.
+void drop_addresses(Scene& scene) {
+    const auto drop = [](std::string& name) {
+        const std::size_t end = name.find("Light_");
+        const std::size_t digits = end + std::string_view("Light_").size();
+        if (end != std::string::npos && digits < name.size() &&
+            name.find_first_not_of("0123456789", digits) == std::string::npos)
+            name.resize(digits - 1);
+    };
+    for (Node& node : scene.nodes)
+        if (node.light != no_index) drop(node.name);
+    for (Light& light : scene.lights) drop(light.name);
 }
 
 std::unique_ptr<Assimp::Importer> make_importer(std::vector<std::filesystem::path>& read) {
@@ -143,6 +186,8 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
                          path.string()};
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
         auto read = read_scene(*own, path, options);
+        if (read) tell_limits(path, converted, *read);
+        if (read && is_by(*own, "X3D")) drop_addresses(*read);
         std::error_code ec;
         std::erase_if(others, [&](const std::filesystem::path& file) {
             return std::filesystem::equivalent(file, path, ec);

@@ -62,7 +62,11 @@ void import_units(AssimpImport& import) {
     }
     // Their readers have turned the root.
     static constexpr std::pair<std::string_view, const char*> with_z_up[] = {
-        {"3DS", "3DS"}, {"MD5", "MD5"}, {"Quake", "Quake"}};
+        {"3DS", "3DS"},
+        {"ASE Importer", "ASE"},
+        {"(DXF)", "DXF"},
+        {"MD5", "MD5"},
+        {"Quake", "Quake"}};
     for (const auto& [reader, name] : with_z_up)
         if (const glm::dvec3 z(scene.nodes[0].transform[2]);
             import.is_by(reader) && z.y > 0 && z.x == 0 && z.z == 0)

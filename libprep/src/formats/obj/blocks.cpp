@@ -274,9 +274,8 @@ class BlockParser {
         static constexpr std::string_view free_form[] = {
             "vp",   "deg",  "bmat", "step", "cstype", "curv",  "curv2", "surf",  "parm", "trim",
             "hole", "scrv", "sp",   "end",  "con",    "bevel", "mg",    "ctech", "stech"};
-        static constexpr std::string_view ignored[] = {"c_interp",   "d_interp",  "lod",
-                                                       "shadow_obj", "trace_obj", "maplib",
-                                                       "usemap",     "call",      "csh"};
+        static constexpr std::string_view ignored[] = {
+            "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "maplib", "usemap"};
         if (std::find(std::begin(free_form), std::end(free_form), word) != std::end(free_form)) {
             block_.free_form.note(line_number_);
         } else if (std::find(std::begin(ignored), std::end(ignored), word) == std::end(ignored)) {

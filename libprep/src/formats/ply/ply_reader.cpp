@@ -370,6 +370,8 @@ class PlyParser {
     // Strips in one list; a negative index begins a new one.
     Result<void> strips(const PlyElement& element, Mesh& mesh) {
         if (element.properties.empty()) return {};
+        for (const PlyProperty& p : element.properties)
+            if (!lists_corners(p)) leave(element, p);
         for (std::uint64_t i = 0; i < element.count; ++i, values_.end_element())
             for (const PlyProperty& p : element.properties) {
                 if (!lists_corners(p)) {
@@ -440,6 +442,17 @@ class PlyParser {
                              [&](std::uint32_t v) { return v >= count; });
     }
 
+    // Where corners have none of their own.
+    void take_uvs_of_vertices(const Mesh& mesh) {
+        const std::size_t own = corner_uvs_.size();
+        corner_uvs_.insert(corner_uvs_.end(), vertices_.uvs.begin(), vertices_.uvs.end());
+        for (std::size_t c = 0; c < mesh.corner_count(); ++c)
+            if (corner_uv_indices_[c] == no_index)
+                corner_uv_indices_[c] = std::uint32_t(own + mesh.corner_vertices[c]);
+        scene_.warnings.push_back(name_ +
+                                  ": UVs of vertices were taken where faces have none alone");
+    }
+
     Result<Scene> finish(Mesh& mesh) {
         const std::size_t count = vertices_.size();
         for (const auto* list : {&mesh.corner_vertices, &mesh.line_vertices})
@@ -457,6 +470,7 @@ class PlyParser {
         if (vertices_.has_tangents && faces) by_vertex(mesh.tangents, vertices_.tangents);
         if (!corner_uvs_.empty()) {
             corner_uv_indices_.resize(mesh.corner_count(), no_index);
+            if (vertices_.has_uvs) take_uvs_of_vertices(mesh);
             mesh.uvs.push_back({std::move(corner_uvs_), std::move(corner_uv_indices_)});
         } else if (vertices_.has_uvs && faces) {
             by_vertex(mesh.uvs.emplace_back(), vertices_.uvs);
