@@ -102,6 +102,49 @@ TEST(TessellationHardCases, BordersAndEdgesOfManyFacesStayWhatTheyAre) {
     EXPECT_NEAR(area, 4 * 0.2 + 3.8 * 0.2, 1e-5);
 }
 
+// The mean of its corners is the notch of an L of width 1 and arms of 2: on the lines of two edges.
+TEST(TessellationHardCases, AReflexCornerAtTheMeanCollapsesNothing) {
+    for (const float notch : {1.0F, 1.0001F, 0.9999F, 1.01F, 0.97F, 1.2F}) {
+        Mesh mesh;
+        mesh.positions = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {notch, notch, 0}, {1, 2, 0}, {0, 2, 0}};
+        add_face(mesh, {0, 1, 2, 3, 4, 5});
+        TessellateOptions options;
+        options.edge_length = 0.4;
+        const auto made = tessellate(mesh, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        const Mesh& out = made->mesh;
+        double area = 0;
+        for (std::size_t t = 0; t < out.face_count(); ++t) {
+            const auto at = [&](std::size_t k) {
+                return glm::dvec3(out.positions[out.corner_vertices[3 * t + k]]);
+            };
+            const double twice = glm::cross(at(1) - at(0), at(2) - at(0)).z;
+            EXPECT_GT(twice, 0.01) << notch;
+            area += twice / 2;
+        }
+        // The square of the corner, and two triangles on each arm's inner edge.
+        EXPECT_NEAR(area, 2 + double(notch), 1e-5) << notch;
+    }
+}
+
+// Where no error is left none of a budget is spent, however much rounding the proof allows for.
+TEST(TessellationHardCases, AFlatSurfaceTakesNoBudget) {
+    Image image{2, 2, 1, {0.75F, 0.75F, 0.75F, 0.75F}};
+    image.floating = true;
+    const auto height = height_function(image, HeightMapOptions{});
+    ASSERT_TRUE(height) << to_string(height.error());
+    for (const bool displaced : {false, true})
+        for (const bool cage : {false, true}) {
+            TessellateOptions options;
+            options.max_triangles = 5000;
+            if (displaced) options.displacements = {{*height, 1, 0, 0}};
+            if (cage) options.scheme = SubdivisionScheme::bilinear;
+            const auto made = tessellate(unit_quad(), options);
+            ASSERT_TRUE(made) << to_string(made.error());
+            EXPECT_LE(made->mesh.face_count(), 4U) << displaced << cage;
+        }
+}
+
 // More sides at a vertex than are compared one by one: what each face has stays its own, and equal
 // values stay one.
 TEST(TessellationHardCases, AVertexOfManySeamsKeepsWhatEachFaceHas) {

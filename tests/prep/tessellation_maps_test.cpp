@@ -306,5 +306,58 @@ TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
         }
 }
 
+// Nor does it end where a mesh does: tiles of a ground that are meshes of their own join.
+TEST(TessellationMaps, OnePictureOfTwoMeshesIsOneMap) {
+    std::mt19937 random(6);
+    Image image = flat_map(8);
+    for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
+    const ::test::TempDir dir;
+    const std::filesystem::path file = dir / "one_map.exr";
+    ASSERT_TRUE(save_image(file, image, PixelType::f32));
+    Scene scene;
+    for (const float left : {0.0F, 0.5F}) {
+        Mesh& mesh = scene.meshes.emplace_back();
+        for (const glm::vec2 corner : {glm::vec2(0, 0), {0.5F, 0}, {0.5F, 1}, {0, 1}})
+            mesh.positions.emplace_back(left + corner.x, corner.y, 0);
+        add_face(mesh, {0, 1, 2, 3});
+        CornerLayer<glm::vec2>& uvs = mesh.uvs.emplace_back();
+        for (const glm::vec3& p : mesh.positions) uvs.values.emplace_back(p);
+        uvs.indices = mesh.corner_vertices;
+        const auto number = std::uint32_t(scene.materials.size());
+        mesh.face_materials = {number};
+        // As readers have a picture that two materials name.
+        scene.images.emplace_back().path = file;
+        scene.textures.emplace_back().image = number;
+        scene.textures.back().wrap_u = scene.textures.back().wrap_v = Wrap::clamp;
+        Material& material = scene.materials.emplace_back();
+        material.displacement_map = {.texture = number};
+        material.displacement_scale = 0.2F;
+        material.displacement_midlevel = 0;
+    }
+    instance_unused_meshes(scene);
+    PrepareOptions options;
+    options.tessellate = true;
+    options.tessellation.chord_error = 0.01;
+    for (const bool from_materials : {true, false}) {
+        options.displacement.from_materials = from_materials;
+        if (!from_materials) {
+            options.displacement.map = scene.images[0];
+            options.displacement.midlevel = 0;
+            options.displacement.heights.scale = 0.2;
+            options.displacement.heights.wrap_u = options.displacement.heights.wrap_v = Wrap::clamp;
+        }
+        const auto made = prepare(scene, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        ASSERT_EQ(made->meshes.size(), 2U);
+        std::size_t at_border = 0;
+        for (const auto& mesh : made->meshes)
+            for (const glm::vec3& p : mesh.positions) {
+                EXPECT_NEAR(p.z, 0.2 * bilinear(image, glm::dvec2(p)), 1e-6);
+                at_border += p.x == 0.5F;
+            }
+        EXPECT_GT(at_border, 10U);
+    }
+}
+
 }  // namespace
 }  // namespace prep

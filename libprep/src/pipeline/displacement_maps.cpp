@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "displacement/noise_field.h"
 #include "tessellation/height_functions.h"
@@ -61,20 +62,44 @@ double band_limit_change(NoiseOptions options, double band_limit) {
     return field ? field->left_out() : 0;
 }
 
-std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const ChartFaces& faces,
-                                                  int threads) {
+std::shared_ptr<const HeightFunction> function_of(const HeightMap& map,
+                                                  std::span<const ChartFaces> faces, int threads) {
     return height_function(map, faces, threads);
 }
-std::shared_ptr<const VectorFunction> function_of(const VectorMap& map, const ChartFaces& faces,
-                                                  int threads) {
+std::shared_ptr<const VectorFunction> function_of(const VectorMap& map,
+                                                  std::span<const ChartFaces> faces, int threads) {
     return vector_function(map, faces, threads);
 }
 
-}  // namespace
-
-ChartFaces DisplacementMaps::Reading::faces(const Surface& surface) const {
-    return {&surface.mesh, uv_set, materials, surface.is_limit};
+// For each image the first one of the same pixels, as far as that can be seen without decoding.
+std::vector<Index> first_alike(const std::vector<ImageRef>& images) {
+    std::vector<Index> out;
+    std::map<std::filesystem::path, Index> known;
+    for (Index i = 0; i < images.size(); ++i) {
+        const bool is_file = !images[i].path.empty() && images[i].bytes.empty();
+        out.push_back(is_file ? known.emplace(images[i].path, i).first->second : i);
+    }
+    return out;
 }
+
+std::string name_of_picture(const ImageRef& image) {
+    return !image.path.empty()   ? image.path.filename().string()
+           : !image.name.empty() ? image.name
+                                 : "an embedded picture";
+}
+
+// Those that some face has, ascending.
+std::vector<Index> used_materials(const Mesh& mesh, std::size_t count) {
+    std::vector<bool> used(count, false);
+    for (const Index m : mesh.face_materials)
+        if (m < count) used[m] = true;
+    std::vector<Index> out;
+    for (Index m = 0; m < count; ++m)
+        if (used[m]) out.push_back(m);
+    return out;
+}
+
+}  // namespace
 
 bool DisplacementMaps::Reading::is_read_as(const Reading& other) const {
     const TextureRef &a = map.placement, &b = other.map.placement;
@@ -85,14 +110,60 @@ bool DisplacementMaps::Reading::is_read_as(const Reading& other) const {
            a.rotation == b.rotation;
 }
 
-Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
-    std::unique_ptr<const Image>& known = pictures_[&ref];
+Result<const Image*> DisplacementMaps::picture(const Scene& scene, Index image) {
+    std::unique_ptr<const Image>& known = pictures_[image];
     if (!known) {
-        auto image = load_image(ref);
-        if (!image) return image.error();
-        known = std::make_unique<const Image>(*std::move(image));
+        auto loaded = load_image(image == no_index ? *options_.map : scene.images[image]);
+        if (!loaded) return loaded.error();
+        known = std::make_unique<const Image>(*std::move(loaded));
     }
     return known.get();
+}
+
+// One picture that is read alike is one surface's, however many materials and meshes have it: what
+// is beyond a border is no gutter.
+void DisplacementMaps::find_readings(const Scene& scene, const HeightMapOptions& heights) {
+    if (std::exchange(found_, true)) return;
+    if (options_.map) {
+        readings_.push_back({.kind = options_.kind,
+                             .map = heights,
+                             .uv_set = options_.uv_set,
+                             .default_midlevel = !options_.midlevel});
+        return;
+    }
+    reading_of_.assign(scene.materials.size(), no_index);
+    const std::vector<Index> pictures = first_alike(scene.images);
+    std::vector<std::vector<Index>> of_picture(scene.images.size());  // readings
+    for (Index m = 0; m < scene.materials.size(); ++m) {
+        const Material& material = scene.materials[m];
+        const TextureRef& ref = material.displacement_map;
+        if (ref.texture >= scene.textures.size()) continue;
+        const Texture& texture = scene.textures[ref.texture];
+        if (texture.image >= scene.images.size()) continue;
+        Reading as{.image = pictures[texture.image],
+                   .kind = material.displacement_kind,
+                   .map = heights,
+                   .uv_set = ref.uv_set};
+        as.map.wrap_u = texture.wrap_u;
+        as.map.wrap_v = texture.wrap_v;
+        as.map.placement = ref;
+        as.map.scale *= double(material.displacement_scale) * double(ref.strength);
+        as.map.midlevel = options_.midlevel.value_or(double(material.displacement_midlevel));
+        std::vector<Index>& others = of_picture[as.image];
+        const auto known = std::find_if(others.begin(), others.end(), [&](Index other) {
+            return readings_[other].is_read_as(as);
+        });
+        if (known != others.end()) {
+            reading_of_[m] = *known;
+            continue;
+        }
+        reading_of_[m] = Index(readings_.size());
+        others.push_back(reading_of_[m]);
+        readings_.push_back(std::move(as));
+    }
+    for (Index mesh = 0; mesh < scene.meshes.size(); ++mesh)
+        for (const Index m : used_materials(scene.meshes[mesh], scene.materials.size()))
+            if (reading_of_[m] != no_index) readings_[reading_of_[m]].materials[mesh].push_back(m);
 }
 
 Result<DisplacementMaps::Surface> DisplacementMaps::surface(
@@ -113,74 +184,95 @@ Result<DisplacementMaps::Surface> DisplacementMaps::surface(
     return surface;
 }
 
-template <class Map, class Function>
-Result<Function> DisplacementMaps::function(const Map& map, const Reading& as,
-                                            const Surface& surface, OfMesh& to, Function& as_read) {
-    const ChartFaces faces = as.faces(surface);
-    const auto of = [&](const Map& read) { return function_of(read, faces, threads_); };
+template <class Map>
+auto DisplacementMaps::confined(const Scene& scene, const Reading& as, const Map& map,
+                                bool of_cages) const {
+    std::vector<ChartFaces> faces;
+    for (const auto& [mesh, materials] : as.materials)
+        faces.push_back({&scene.meshes[mesh], as.uv_set, materials, of_cages});
+    if (as.materials.empty())
+        for (const Mesh& mesh : scene.meshes) faces.push_back({&mesh, as.uv_set, {}, of_cages});
+    return function_of(map, faces, threads_);
+}
+
+Result<void> DisplacementMaps::make_heights(const Scene& scene, Reading& as, bool of_cages) {
+    if (as.heights || as.confined.height) return {};
+    const auto pixels = picture(scene, as.image);
+    if (!pixels) return pixels.error();
+    auto map = HeightMap::make(**pixels, as.map);
+    if (!map) return std::move(map).error();
+    as.quantisation = map->quantisation();
+    if (reads_confined()) as.confined.height = confined(scene, as, *map, of_cages);
+    if (options_.band_limit > 0) as.heights = *std::move(map);
+    return {};
+}
+
+Result<void> DisplacementMaps::make_vectors(const Scene& scene, Reading& as, bool of_cages) {
+    if (as.vectors || as.confined.vector) return {};
+    const auto pixels = picture(scene, as.image);
+    if (!pixels) return pixels.error();
+    VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
+    if (as.kind == DisplacementKind::vector_tangent) options.axes = options_.axes;
+    // Files of floats hold vectors as they are.
+    if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
+    auto map = VectorMap::make(**pixels, options);
+    if (!map) return std::move(map).error();
+    as.quantisation = map->quantisation();
+    as.in_object_space = map->in_object_space();
+    if (reads_confined()) as.confined.vector = confined(scene, as, *map, of_cages);
+    if (options_.band_limit > 0) as.vectors = *std::move(map);
+    return {};
+}
+
+template <class Map>
+auto DisplacementMaps::limited(const Map& map, const ChartFaces& faces, const Surface& surface,
+                               OfMesh& to) const {
+    using Function = decltype(function_of(map, {&faces, 1}, threads_));
+    auto made = band_limited(map, faces, options_.band_limit, surface.face_areas, threads_);
+    if (!made) return Result<Function>(std::move(made).error());
+    to.changes.push_back(made->change);
+    return Result<Function>(function_of(made->map, {&faces, 1}, threads_));
+}
+
+Result<Displacement> DisplacementMaps::read(const Scene& scene, Reading& as,
+                                            const ChartFaces& faces, const Surface& surface,
+                                            OfMesh& to) {
+    const bool heights = as.kind == DisplacementKind::height;
+    auto made = heights ? make_heights(scene, as, surface.is_limit)
+                        : make_vectors(scene, as, surface.is_limit);
+    if (!made) return std::move(made).error();
+    to.quantisations.push_back(as.quantisation);
+    Displacement out = as.confined;
+    out.uv_set = as.uv_set;
+    out.tangent_space = !heights && !as.in_object_space;
+    if (keeps_as_read()) to.as_read.push_back(out);
     if (!(options_.band_limit > 0)) {
         to.changes.push_back(0);
-        return of(map);
+    } else if (heights) {
+        auto height = limited(*as.heights, faces, surface, to);
+        if (!height) return std::move(height).error();
+        out.height = *std::move(height);
+    } else {
+        auto vector = limited(*as.vectors, faces, surface, to);
+        if (!vector) return std::move(vector).error();
+        out.vector = *std::move(vector);
     }
-    auto limited = band_limited(map, faces, options_.band_limit, surface.face_areas, threads_);
-    if (!limited) return std::move(limited).error();
-    to.changes.push_back(limited->change);
-    if (keeps_as_read()) as_read = of(map);
-    return of(limited->map);
+    return out;
 }
 
-Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading& as,
-                                            const std::string& name, const Surface& surface,
-                                            OfMesh& to) {
-    Displacement made{.height = nullptr, .uv_set = as.uv_set}, as_read = made;
-    const auto named = [&](Error error) {
+Result<void> DisplacementMaps::add(const Scene& scene, Reading& as,
+                                   std::span<const Index> materials, const Surface& surface,
+                                   OfMesh& to) {
+    const std::string name =
+        name_of_picture(as.image == no_index ? *options_.map : scene.images[as.image]);
+    const ChartFaces faces{&surface.mesh, as.uv_set, materials, surface.is_limit};
+    if (auto checked = check_uvs(faces, name); !checked) return checked.error();
+    auto made = read(scene, as, faces, surface, to);
+    if (!made) {
+        Error error = std::move(made).error();
         if (error.place.empty()) error.place = name;
         return error;
-    };
-    if (as.kind == DisplacementKind::height) {
-        if (!maps_.contains(as.key())) {
-            const auto pixels = picture(image);
-            if (!pixels) return pixels.error();
-            auto map = HeightMap::make(**pixels, as.map);
-            if (!map) return named(std::move(map).error());
-            maps_.emplace(as.key(), *std::move(map));
-        }
-        const HeightMap& map = maps_.at(as.key());
-        to.quantisations.push_back(map.quantisation());
-        auto height = function(map, as, surface, to, as_read.height);
-        if (!height) return named(std::move(height).error());
-        made.height = *std::move(height);
-    } else {
-        if (!vector_maps_.contains(as.key())) {
-            const auto pixels = picture(image);
-            if (!pixels) return pixels.error();
-            VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
-            if (as.kind == DisplacementKind::vector_tangent) options.axes = options_.axes;
-            // Files of floats hold vectors as they are.
-            if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
-            auto map = VectorMap::make(**pixels, options);
-            if (!map) return named(std::move(map).error());
-            vector_maps_.emplace(as.key(), *std::move(map));
-        }
-        const VectorMap& map = vector_maps_.at(as.key());
-        to.quantisations.push_back(map.quantisation());
-        auto vector = function(map, as, surface, to, as_read.vector);
-        if (!vector) return named(std::move(vector).error());
-        made.vector = *std::move(vector);
-        made.tangent_space = as_read.tangent_space = !map.in_object_space();
     }
-    if (keeps_as_read()) to.as_read.push_back(std::move(as_read));
-    return made;
-}
-
-Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, const Surface& surface,
-                                   OfMesh& to) {
-    const std::string name = !image.path.empty()   ? image.path.filename().string()
-                             : !image.name.empty() ? image.name
-                                                   : "an embedded picture";
-    if (auto checked = check_uvs(as.faces(surface), name); !checked) return checked.error();
-    auto made = read(image, as, name, surface, to);
-    if (!made) return std::move(made).error();
     to.names.push_back(name);
     to.displacements.push_back(*std::move(made));
     return {};
@@ -221,13 +313,9 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     const auto surface =
         this->surface(mesh, options_.map || options_.from_materials ? subdivision : nullptr);
     if (!surface) return surface.error();
-    if (options_.map) {
-        const Reading as{.kind = options_.kind,
-                         .map = heights,
-                         .uv_set = options_.uv_set,
-                         .default_midlevel = !options_.midlevel};
-        if (auto added = add(*options_.map, as, *surface, out); !added) return added.error();
-    }
+    if (options_.map || options_.from_materials) find_readings(scene, heights);
+    if (options_.map)
+        if (auto added = add(scene, readings_[0], {}, *surface, out); !added) return added.error();
     if (noise) {
         if (out.displacements.empty()) out.displacements.emplace_back();
         out.displacements[0].noise = noise;
@@ -241,42 +329,22 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     }
     if (options_.map || noise || !options_.from_materials) return out;
     out.material_displacements.assign(scene.materials.size(), no_index);
-    std::vector<bool> used(scene.materials.size(), false);
-    for (const Index m : mesh.face_materials)
-        if (m < used.size()) used[m] = true;
-    std::vector<std::pair<const ImageRef*, Reading>> groups;
-    for (Index m = 0; m < scene.materials.size(); ++m) {
-        const Material& material = scene.materials[m];
-        const TextureRef& ref = material.displacement_map;
-        if (!used[m] || ref.texture >= scene.textures.size()) continue;
-        const Texture& texture = scene.textures[ref.texture];
-        if (texture.image >= scene.images.size()) continue;
-        HeightMapOptions of_material = heights;
-        of_material.wrap_u = texture.wrap_u;
-        of_material.wrap_v = texture.wrap_v;
-        of_material.placement = ref;
-        of_material.scale *= double(material.displacement_scale) * double(ref.strength);
-        of_material.midlevel = options_.midlevel.value_or(double(material.displacement_midlevel));
-        const Reading as{.kind = material.displacement_kind,
-                         .map = of_material,
-                         .uv_set = ref.uv_set,
-                         .materials = {m}};
-        // One picture that is read alike is one surface's, however many materials have it: what is
-        // beyond a border is no gutter.
-        const ImageRef* const image = &scene.images[texture.image];
-        auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& known) {
-            return known.first == image && known.second.is_read_as(as);
-        });
-        if (group == groups.end())
-            groups.emplace_back(image, as);
-        else
-            group->second.materials.push_back(m);
+    std::vector<std::pair<Index, std::vector<Index>>> groups;  // a reading and its materials
+    for (const Index m : used_materials(mesh, scene.materials.size())) {
+        if (reading_of_[m] == no_index) continue;
         used_.insert(m);
+        auto group = std::find_if(groups.begin(), groups.end(),
+                                  [&](const auto& known) { return known.first == reading_of_[m]; });
+        if (group == groups.end())
+            groups.push_back({reading_of_[m], {m}});
+        else
+            group->second.push_back(m);
     }
-    for (const auto& [image, as] : groups) {
-        for (const Index m : as.materials)
+    for (const auto& [reading, materials] : groups) {
+        for (const Index m : materials)
             out.material_displacements[m] = Index(out.displacements.size());
-        if (auto added = add(*image, as, *surface, out); !added) return added.error();
+        auto added = add(scene, readings_[reading], materials, *surface, out);
+        if (!added) return std::move(added).error();
     }
     if (out.displacements.empty()) out.material_displacements.clear();
     return out;

@@ -1,12 +1,14 @@
-// The maps and the noise that a scene's meshes are displaced by: pictures are read once, and
-// confined to the charts of each mesh.
+// The maps and the noise that a scene's meshes are displaced by: what is read alike is read once,
+// and confined to the charts of all meshes together, so that those side by side in it join.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,42 +47,55 @@ class DisplacementMaps {
     void forget(PreparedScene& prepared) const;
 
   private:
-    Result<const Image*> picture(const ImageRef& ref);
+    Result<const Image*> picture(const Scene& scene, std::uint32_t image);
     // A mesh, and of a limit surface its areas over the faces where a band limit needs them.
     struct Surface {
         const Mesh& mesh;
         bool is_limit = false;
         std::vector<double> face_areas;
     };
-    // What a map is read as, and where.
+    // What a map is read as, and by the faces of which materials.
     struct Reading {
+        std::uint32_t image = no_index;  // of the scene; no_index: that of the options
         DisplacementKind kind = DisplacementKind::height;
         HeightMapOptions map;
         std::uint32_t uv_set = 0;
-        std::vector<std::uint32_t> materials = {};  // whose faces; empty: all
-        bool default_midlevel = false;              // nobody said it
+        // By mesh that has some of them, ascending; nothing: all materials of all meshes.
+        std::map<std::uint32_t, std::vector<std::uint32_t>> materials = {};
+        bool default_midlevel = false;  // nobody said it
+        // Made for the first mesh that has it.
+        Quantisation quantisation = {};
+        bool in_object_space = false;
+        std::optional<HeightMap> heights = {};  // as the file has it, where a band limit reads that
+        std::optional<VectorMap> vectors = {};
+        Displacement confined = {};  // without a band limit
 
-        ChartFaces faces(const Surface& surface) const;
-        std::uint32_t key() const { return materials.empty() ? no_index : materials.front(); }
         bool is_read_as(const Reading& other) const;  // whatever its faces
     };
+    void find_readings(const Scene& scene, const HeightMapOptions& heights);
+    Result<void> make_heights(const Scene& scene, Reading& as, bool of_cages);
+    Result<void> make_vectors(const Scene& scene, Reading& as, bool of_cages);
+    template <class Map>
+    auto confined(const Scene& scene, const Reading& as, const Map& map, bool of_cages) const;
     Result<Surface> surface(const Mesh& mesh, const SubdivideOptions* subdivision) const;
-    Result<void> add(const ImageRef& image, const Reading& as, const Surface& surface, OfMesh& to);
-    Result<Displacement> read(const ImageRef& image, const Reading& as, const std::string& name,
+    // `materials`: those of the reading that the mesh has.
+    Result<void> add(const Scene& scene, Reading& as, std::span<const std::uint32_t> materials,
+                     const Surface& surface, OfMesh& to);
+    Result<Displacement> read(const Scene& scene, Reading& as, const ChartFaces& faces,
                               const Surface& surface, OfMesh& to);
     bool keeps_as_read() const { return options_.band_limit > 0 && options_.residual; }
-    // The map's function, with a band limit, and where that is kept its own without it.
-    template <class Map, class Function>
-    Result<Function> function(const Map& map, const Reading& as, const Surface& surface, OfMesh& to,
-                              Function& as_read);
+    bool reads_confined() const { return !(options_.band_limit > 0) || options_.residual; }
+    // With a band limit, which each mesh has in its own charts.
+    template <class Map>
+    auto limited(const Map& map, const ChartFaces& faces, const Surface& surface, OfMesh& to) const;
 
     const DisplaceOptions& options_;
     int threads_;
-    std::set<std::uint32_t> used_;  // materials
-    std::map<const ImageRef*, std::unique_ptr<const Image>> pictures_;
-    // By Reading::key(): materials' own readings do not change.
-    std::map<std::uint32_t, HeightMap> maps_;
-    std::map<std::uint32_t, VectorMap> vector_maps_;
+    std::set<std::uint32_t> used_;                                    // materials
+    std::map<std::uint32_t, std::unique_ptr<const Image>> pictures_;  // by image
+    bool found_ = false;                                              // the readings
+    std::vector<Reading> readings_;
+    std::vector<std::uint32_t> reading_of_;  // by material
 };
 
 }  // namespace prep::detail

@@ -1,9 +1,12 @@
 #include "tessellation/domain.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <tuple>
+#include <vector>
 
 #include "prep/triangulate.h"
 
@@ -12,21 +15,118 @@ namespace {
 
 using Index = std::uint32_t;
 
-// Whether each triangle of the fan about the mean runs the way of them all.
+// Whether each triangle of the fan about the mean runs the way of them all: where the polygon is
+// not convex, the mean clearly on that side of each edge, for on an edge's line triangles collapse,
+// and beside it heights fold them.
 bool is_star_shaped(const Mesh& mesh, Index first, Index last) {
     const auto at = [&](Index c) { return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]); };
     glm::dvec3 mean(0.0);
     for (Index c = first; c < last; ++c) mean += at(c) - at(first);
     mean = mean / double(last - first) + at(first);
-    const auto area = [&](Index c) {
-        return glm::cross(at(c) - mean, at(c + 1 == last ? first : c + 1) - mean);
-    };
+    const auto after = [&](Index c) { return c + 1 == last ? first : c + 1; };
+    const auto area = [&](Index c) { return glm::cross(at(c) - mean, at(after(c)) - mean); };
     glm::dvec3 sum(0.0);
     for (Index c = first; c < last; ++c) sum += area(c);
-    for (Index c = first; c < last; ++c)
-        if (glm::dot(area(c), sum) < 0) return false;
-    return true;
+    const double scale = std::sqrt(glm::length(sum));  // of the polygon
+    bool convex = true, clear = true;
+    for (Index c = first; c < last; ++c) {
+        const double on_side = glm::dot(area(c), sum);
+        if (on_side < 0) return false;
+        const glm::dvec3 edge = at(after(c)) - at(c), next = at(after(after(c))) - at(after(c));
+        convex = convex && glm::dot(glm::cross(edge, next), sum) >= 0;
+        // The mean's distance from the edge, times its length and twice the polygon's area.
+        constexpr double least = 1.0 / 64;
+        const double length = glm::length(edge);
+        clear = clear && (length == 0 || on_side > least * scale * length * scale * scale);
+    }
+    return convex || clear;
 }
+
+// Triangles of one polygon with the diagonals turned that have angles of more than half a circle
+// against them: Delaunay's, within its border (Lawson 1977). Cutting off corners leaves slivers,
+// which heights fold.
+class Cut {
+  public:
+    Cut(const Mesh& mesh, std::span<const Index> corners)
+        : mesh_(mesh), triangles_(corners.size() / 3) {
+        glm::dvec3 sum(0.0);
+        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+            for (std::size_t k = 0; k < 3; ++k) triangles_[t][k] = corners[3 * t + k];
+            sum += twice_area(triangles_[t]);
+        }
+        const double length = glm::length(sum);
+        if (length > 0) normal_ = sum / length;
+    }
+
+    std::vector<std::array<Index, 3>> turned() && {
+        constexpr int most_passes = 16;
+        for (int pass = 0; pass < most_passes && turn_all() > 0; ++pass) {
+        }
+        return std::move(triangles_);
+    }
+
+  private:
+    struct Side {
+        Index low, high;      // corners
+        std::size_t t, from;  // of triangle t, from its corner `from`
+    };
+    glm::dvec3 at(Index corner) const {
+        return glm::dvec3(mesh_.positions[mesh_.corner_vertices[corner]]);
+    }
+    glm::dvec3 twice_area(const std::array<Index, 3>& t) const {
+        return glm::cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
+    }
+    // Sine and cosine of the angle at `tip`, as the polygon is seen, times lengths.
+    glm::dvec2 angle(Index tip, Index from, Index to) const {
+        const glm::dvec3 a = at(from) - at(tip), b = at(to) - at(tip);
+        return {glm::dot(glm::cross(a, b), normal_), glm::dot(a, b)};
+    }
+
+    // A pass over the diagonals; a triangle turns once in it.
+    std::size_t turn_all() {
+        std::vector<Side> sides;
+        for (std::size_t t = 0; t < triangles_.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+                sides.push_back({std::min(a, b), std::max(a, b), t, k});
+            }
+        std::sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) {
+            return std::tie(p.low, p.high, p.t) < std::tie(q.low, q.high, q.t);
+        });
+        std::vector<bool> turned(triangles_.size(), false);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+            const Side &s = sides[i], &r = sides[i + 1];
+            if (s.low != r.low || s.high != r.high || turned[s.t] || turned[r.t]) continue;
+            if (!turn(triangles_[s.t], s.from, triangles_[r.t], r.from)) continue;
+            turned[s.t] = turned[r.t] = true;
+            ++count;
+        }
+        return count;
+    }
+
+    // The diagonal from s[i] to s[i + 1], which is that from r[j + 1] to r[j].
+    bool turn(std::array<Index, 3>& s, std::size_t i, std::array<Index, 3>& r,
+              std::size_t j) const {
+        const Index a = s[i], b = s[(i + 1) % 3], c = s[(i + 2) % 3], d = r[(j + 2) % 3];
+        const glm::dvec2 p = angle(c, a, b), q = angle(d, b, a);
+        const double size = glm::length(p) * glm::length(q);
+        constexpr double rounding = 0x1p-40;
+        if (!(p.x * q.y + p.y * q.x < -rounding * size)) return false;
+        // Only across a strictly convex quadrilateral a, d, b, c.
+        for (const auto& [tip, from, to] : {std::array{a, d, c}, std::array{b, c, d}}) {
+            const glm::dvec2 corner = angle(tip, from, to);
+            if (!(corner.x > rounding * glm::length(corner))) return false;
+        }
+        s = {a, d, c};
+        r = {b, c, d};
+        return true;
+    }
+
+    const Mesh& mesh_;
+    std::vector<std::array<Index, 3>> triangles_;
+    glm::dvec3 normal_{0.0};
+};
 
 constexpr Index whole = no_index - 1;  // a fan that starts as one triangle
 
@@ -208,10 +308,12 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
         if (straight && last - first > 3 && !is_star_shaped(mesh, first, last)) {
             if (!cut) cut = triangulate(MeshView(mesh), threads);
             while (cut->triangle_faces[triangle] != f) ++triangle;
-            for (; triangle < cut->triangle_faces.size() && cut->triangle_faces[triangle] == f;
-                 ++triangle) {
-                add_fan(domain, f, std::span(cut->corners).subspan(3 * triangle, 3));
-            }
+            const Index begin = triangle;
+            while (triangle < cut->triangle_faces.size() && cut->triangle_faces[triangle] == f)
+                ++triangle;
+            const auto own =
+                std::span(cut->corners).subspan(3 * begin, 3 * std::size_t(triangle - begin));
+            for (const auto& of_fan : Cut(mesh, own).turned()) add_fan(domain, f, of_fan);
             continue;
         }
         corners.clear();

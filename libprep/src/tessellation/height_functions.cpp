@@ -233,19 +233,28 @@ Result<typename Map::Limited> limited_in(const Map& map, const ChartFaces& faces
 }
 
 template <class Map>
-Map confined_to(const Map& map, const ChartFaces& faces, int threads) {
-    if (!has_charts(faces)) return map;
-    return map.confined(Charts(faces, domain_of(faces, threads)).triangles());
+Map confined_to(const Map& map, std::span<const ChartFaces> all, int threads) {
+    std::vector<std::array<glm::dvec2, 3>> triangles;
+    bool any = false;
+    for (const ChartFaces& faces : all) {
+        if (!has_charts(faces)) continue;
+        any = true;
+        const Charts charts(faces, domain_of(faces, threads));
+        triangles.insert(triangles.end(), charts.triangles().begin(), charts.triangles().end());
+    }
+    return any ? map.confined(triangles) : map;
 }
 
 }  // namespace
 
-std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const ChartFaces& faces,
+std::shared_ptr<const HeightFunction> height_function(const HeightMap& map,
+                                                      std::span<const ChartFaces> faces,
                                                       int threads) {
     return std::make_shared<MapHeights>(confined_to(map, faces, threads));
 }
 
-std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const ChartFaces& faces,
+std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map,
+                                                      std::span<const ChartFaces> faces,
                                                       int threads) {
     return std::make_shared<MapVectors>(confined_to(map, faces, threads));
 }
@@ -293,7 +302,7 @@ Result<std::shared_ptr<const HeightFunction>> height_function(
         if (!limited) return std::move(limited).error();
         *map = std::move(limited->map);
     }
-    return detail::height_function(*map, faces, options.threads);
+    return detail::height_function(*map, {&faces, 1}, options.threads);
 }
 
 Result<std::shared_ptr<const VectorFunction>> vector_function(
@@ -309,7 +318,7 @@ Result<std::shared_ptr<const VectorFunction>> vector_function(
         if (!limited) return std::move(limited).error();
         *map = std::move(limited->map);
     }
-    return detail::vector_function(*map, faces, options.map.threads);
+    return detail::vector_function(*map, {&faces, 1}, options.map.threads);
 }
 
 Result<std::shared_ptr<const SpaceFunction>> noise_function(const NoiseOptions& options) {

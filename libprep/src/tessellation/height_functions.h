@@ -16,20 +16,22 @@ namespace prep::detail {
 struct ChartFaces {
     const Mesh* mesh = nullptr;  // null: it is read anywhere
     std::size_t uv_set = 0;
-    std::span<const std::uint32_t> materials = {};  // of the faces; empty: all
+    std::span<const std::uint32_t> materials = {};  // of the faces, ascending; empty: all
     bool of_cage = false;  // a limit surface lies over them, else they are its polygons
 
     bool has(std::size_t face) const {
-        return materials.empty() || (!mesh->face_materials.empty() &&
-                                     std::find(materials.begin(), materials.end(),
-                                               mesh->face_materials[face]) != materials.end());
+        return materials.empty() ||
+               (!mesh->face_materials.empty() &&
+                std::binary_search(materials.begin(), materials.end(), mesh->face_materials[face]));
     }
 };
 
-// The map, confined to the UVs of the faces, as fans of the domain lie over them.
-std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const ChartFaces& faces,
+// The map, confined to the UVs of all these faces, as fans of the domain lie over them.
+std::shared_ptr<const HeightFunction> height_function(const HeightMap& map,
+                                                      std::span<const ChartFaces> faces,
                                                       int threads);
-std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const ChartFaces& faces,
+std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map,
+                                                      std::span<const ChartFaces> faces,
                                                       int threads);
 
 // Of the fan of triangles around the mean of each face's corners.

@@ -479,7 +479,8 @@ Result<void> Refinement::refine_to_error() {
 
 Result<void> Refinement::refine_to_budget() {
     const bool has_goal = options_.chord_error || options_.pixel_error || options_.edge_length;
-    const float goal = has_goal ? 1.0F : 0.0F;
+    // Without a goal these are errors: less than a 256th of what rounding leaves is none.
+    const float goal = has_goal ? 1.0F : float(0x1p-30 * largest_coordinate_);
     const std::uint64_t most = *options_.max_triangles;
     struct Mark {
         Touched touched;
@@ -569,7 +570,7 @@ Result<void> Refinement::check_pixels() const {
 
 Result<void> Refinement::run() {
     start();
-    constexpr double float_steps = 0x1p-22;  // twice what rounding a position moves it by, and more
+    constexpr double float_steps = 0x1p-22;  // over twice what rounding moves a position by
     if (options_.chord_error && *options_.chord_error < float_steps * largest_coordinate_)
         return Error{ErrorCode::limit,
                      fmt::format("an error of {:.3g} is finer than floats of the mesh's size hold: "
