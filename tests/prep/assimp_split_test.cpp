@@ -21,7 +21,7 @@ using prep::no_index;
 using Indices = std::vector<std::uint32_t>;
 
 // A tetrahedron in both files: two faces of one material, two of the other.
-std::string collada() {
+std::string collada(bool all_uvs = false) {
     const auto triangles = [](const char* material, const char* corners, bool uvs) {
         return std::string("<triangles material=\"") + material +
                "\" count=\"2\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>" +
@@ -40,10 +40,14 @@ std::string collada() {
                std::to_string(count) + "\" stride=\"" + std::to_string(stride) + "\">" + params +
                "</accessor></technique_common></source>";
     };
+    // Of the second UV set, as its number in the material says.
     const auto effect = [](const std::string& name) {
         return "<effect id=\"" + name +
-               "-e\"><profile_COMMON><technique sid=\"c\"><lambert/></technique></profile_COMMON>"
-               "</effect>";
+               "-e\"><profile_COMMON><newparam sid=\"s\"><surface type=\"2D\"><init_from>im"
+               "</init_from></surface></newparam><newparam sid=\"t\"><sampler2D><source>s</source>"
+               "</sampler2D></newparam><technique sid=\"c\"><lambert><diffuse><texture "
+               "texture=\"t\" texcoord=\"CHANNEL1\"/></diffuse></lambert></technique>"
+               "</profile_COMMON></effect>";
     };
     const auto material = [](const std::string& name) {
         return "<material id=\"" + name + "\" name=\"" + name + "\"><instance_effect url=\"#" +
@@ -51,7 +55,8 @@ std::string collada() {
     };
     return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/"
            "COLLADASchema\" version=\"1.4.1\"><asset><up_axis>Y_UP</up_axis></asset>"
-           "<library_effects>" +
+           "<library_images><image id=\"im\"><init_from>no.png</init_from></image>"
+           "</library_images><library_effects>" +
            effect("red") + effect("blue") + "</library_effects><library_materials>" +
            material("red") + material("blue") +
            "</library_materials><library_geometries><geometry id=\"g\" name=\"shell\"><mesh>" +
@@ -59,7 +64,8 @@ std::string collada() {
            floats("t", "0 0 1 0 0 1", 3, 2, "ST") +
            "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>" +
            triangles("red", "0 0 2 1 1 2 0 0 1 1 3 2", true) +
-           triangles("blue", "1 2 3 2 0 3", false) +
+           (all_uvs ? triangles("blue", "1 0 2 1 3 2 2 0 0 1 3 2", true)
+                    : triangles("blue", "1 2 3 2 0 3", false)) +
            "</mesh></geometry></library_geometries><library_visual_scenes>"
            "<visual_scene id=\"s\"><node id=\"n\" name=\"n\"><instance_geometry url=\"#g\">"
            "<bind_material><technique_common><instance_material symbol=\"red\" target=\"#red\"/>"
@@ -180,6 +186,19 @@ TEST(AssimpSplit, APartWithoutUvsHasNone) {
     EXPECT_EQ(mesh.uvs[0].values[mesh.uvs[0].indices[1]], glm::vec2(1, 1));
 }
 
+TEST(AssimpSplit, MapsOfEachPartFindItsUvs) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.dae", collada(true));
+    const auto scene = prep::load_scene(dir / "a.dae");
+    ASSERT_TRUE(scene.has_value());
+    ASSERT_EQ(scene->meshes.size(), 1u);
+    for (const std::size_t face : {0, 2}) {
+        const prep::Material& material = scene->materials[scene->meshes[0].face_materials[face]];
+        EXPECT_TRUE(bool(material.diffuse_map)) << face;
+        EXPECT_EQ(material.diffuse_map.uv_set, 0u) << face;
+    }
+}
+
 // A triangle whose corners are 10·x, 10·x + 1, …, with a bone, a target and a material.
 aiMesh* part(unsigned x, const char* name, const char* bone) {
     auto* mesh = new aiMesh();
@@ -287,18 +306,27 @@ TEST(AssimpSplit, WhatIsNotOneMeshStaysApart) {
     targets.mMeshes[2]->mAnimMeshes[0]->mNumVertices = 2;
     EXPECT_TRUE(prep::detail::join_split_meshes(targets, false).empty());
     EXPECT_EQ(targets.mNumMeshes, 3u);
-    // Nodes that name the same parts share the mesh; one with another part does not.
+    // One geometry twice in a node, with two materials: the same points.
+    aiScene twice;
+    give(twice, {part(0, "a", "b"), part(1, "a", "b"), part(0, "a", "b"), part(1, "a", "b")},
+         {node("one", {0, 1, 2, 3})});
+    prep::detail::join_split_meshes(twice, false);
+    EXPECT_EQ(twice.mNumMeshes, 2u);
+    EXPECT_EQ(meshes_of(*twice.mRootNode->mChildren[0]), (Indices{0, 1}));
+    // Parts that another node has beside others: all of theirs stay.
     aiScene shared;
-    give(shared, {part(0, "a", "b"), part(1, "a", "b"), part(2, "a", "b"), part(3, "z", "b")},
-         {node("one", {0, 1}), node("two", {0, 1, 3}), node("three", {0, 2}), node("four", {0}),
-          node("five", {1, 1})});
+    give(shared,
+         {part(0, "a", "b"), part(1, "a", "b"), part(2, "a", "b"), part(3, "z", "b"),
+          part(4, "z", "b")},
+         {node("one", {0, 1}), node("two", {0, 1, 3, 4}), node("three", {0, 2}),
+          node("four", {3, 4}), node("five", {1, 1})});
     const prep::detail::MeshParts parts = prep::detail::join_split_meshes(shared, false);
     std::vector<Indices> of_nodes;
     for (unsigned n = 0; n < 5; ++n) of_nodes.push_back(meshes_of(*shared.mRootNode->mChildren[n]));
-    EXPECT_EQ(of_nodes, (std::vector<Indices>{{1}, {1, 4}, {2}, {0}, {3, 3}}));
-    ASSERT_EQ(shared.mNumMeshes, 5u);
-    ASSERT_EQ(parts.size(), 5u);
-    for (unsigned m = 0; m < 5; ++m) EXPECT_EQ(parts[m].empty(), m != 1 && m != 2) << m;
+    EXPECT_EQ(of_nodes, (std::vector<Indices>{{0, 1}, {0, 1, 3}, {0, 2}, {3}, {1, 1}}));
+    ASSERT_EQ(shared.mNumMeshes, 4u);
+    ASSERT_EQ(parts.size(), 4u);
+    for (unsigned m = 0; m < 4; ++m) EXPECT_EQ(parts[m].empty(), m != 3) << m;
 }
 
 }  // namespace

@@ -78,6 +78,26 @@ TEST(GltfLost, OtherFormatsTellWhatTheyDoNotHold) {
     }
 }
 
+// Of a primitive: as it is in glTF, told of what has one list for all.
+TEST(GltfLost, UvsThatPrimitivesLackAreTold) {
+    test::GltfSource d;
+    const std::size_t positions = d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const Json bare{{"attributes", {{"POSITION", positions}}}};
+    Json mapped = bare;
+    mapped["attributes"]["TEXCOORD_0"] = d.add_floats("VEC2", {0, 0, 1, 0, 0, 1});
+    d.json["meshes"] = {{{"primitives", {mapped, bare}}}};
+    d.json["nodes"] = {{{"mesh", 0}}};
+    const auto uvs = [](const Notes& notes) {
+        Notes out;
+        for (const std::string& note : notes)
+            if (note.find("UVs of all corners") != std::string::npos) out.push_back(note);
+        return out;
+    };
+    EXPECT_EQ(uvs(notes_of(d, "out.glb")), Notes{});
+    EXPECT_EQ(uvs(notes_of(d, "out.ply")),
+              Notes{"PLY holds UVs of all corners or of none: 3 corners without one got zeros"});
+}
+
 // Lines stand before the faces of their mesh, for behind them they would have their material.
 TEST(GltfLost, LinesInObjHaveNoMaterialOfFaces) {
     test::GltfSource d;

@@ -212,6 +212,16 @@ TEST(Off, AnElementThatIsTooShortTakesNothingOfTheNext) {
     EXPECT_EQ(off_error("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n2 0 1\n"),
               "test.off:7: the file ends after 1 of 2 faces; line 7 was read as the rest of the "
               "one before");
+    // Also where a line more makes up for it.
+    EXPECT_EQ(off_error("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2\n3 0 1 2\n4 0 1 2 3\n"),
+              "test.off:9: the file goes on after its faces; line 8 was read as the rest of the "
+              "one before in '4 0 1 2 3'");
+    const std::string rest = "1 0 0 1 0 0\n0 1 0 1 0 0\n0 1 1 1 0 0\n3 0 1 2\n";
+    EXPECT_EQ(off_error("COFF\n3 1 0\n0 0\n" + rest),
+              "test.off:4: expected coordinates in '1 0 0 1 0 0'");
+    EXPECT_EQ(off_error("COFF\n3 1 0\n0 0\n0 0 1\n" + rest),
+              "test.off:4: expected coordinates in '0 0 1'");
+    EXPECT_EQ(off_error("STOFF\n3 1 0\n0 0\n0 0 1 0.5 0.5\n" + rest).substr(0, 11), "test.off:4:");
 }
 
 TEST(Off, CountsThatTheFileHasNoRoomForAreRefusedAtOnce) {

@@ -112,6 +112,16 @@ TEST(PlyColors, CornersWithoutUvsHaveThoseOfTheirVertices) {
     EXPECT_EQ(scene->warnings,
               std::vector<std::string>{
                   "test.ply: UVs of vertices were taken where faces have none alone"});
+    const auto both = parse_colors(
+        color_header("ascii", "element vertex 3\n" + points +
+                                  "property float s\nproperty float t\nelement face 1\n" + indices +
+                                  "property list uchar float texcoord\n") +
+        "0 0 0 0.25 0.25\n1 0 0 0.5 0.5\n1 1 0 0.75 0.75\n3 0 1 2 6 0 0 1 0 1 1\n");
+    ASSERT_TRUE(both.has_value()) << prep::to_string(both.error());
+    EXPECT_EQ(both->meshes[0].uvs[0].values.size(), 3u);
+    EXPECT_EQ(both->warnings, std::vector<std::string>{});
+    EXPECT_EQ(both->remarks, std::vector<std::string>{
+                                 "test.ply: UVs of vertices were left out: faces have theirs"});
 }
 
 }  // namespace

@@ -226,7 +226,8 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     auto notes = format->write(prepared, path, options);
     if (notes && !(format->holds.everything && prepared.scene.retained_file))
         detail::note_loose_parts(prepared, *notes);
-    if (notes && format->holds.uvs && !format->holds.partial_uvs && !prepared.scene.retained_file)
+    if (notes && format->holds.uvs && !format->holds.partial_uvs &&
+        !(format->holds.everything && prepared.scene.retained_file))
         detail::note_missing_uvs(prepared, std::string(format->file.name), *notes);
     if (notes && !format->holds.subdivision)
         detail::note_subdivision(prepared, std::string(format->file.name), *notes);

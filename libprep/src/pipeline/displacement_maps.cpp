@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 #include <utility>
 
 #include "displacement/noise_field.h"
@@ -101,13 +102,20 @@ std::vector<Index> used_materials(const Mesh& mesh, std::size_t count) {
 
 }  // namespace
 
-bool DisplacementMaps::Reading::is_read_as(const Reading& other) const {
-    const TextureRef &a = map.placement, &b = other.map.placement;
-    return kind == other.kind && uv_set == other.uv_set && map.channel == other.map.channel &&
-           map.filter == other.map.filter && map.wrap_u == other.map.wrap_u &&
-           map.wrap_v == other.map.wrap_v && map.scale == other.map.scale &&
-           map.midlevel == other.map.midlevel && a.offset == b.offset && a.scale == b.scale &&
-           a.rotation == b.rotation;
+std::string DisplacementMaps::Reading::key() const {
+    std::string out;
+    const auto put = [&](const auto& value) {
+        out.append(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    const TextureRef& at = map.placement;
+    for (const std::uint32_t whole :
+         {image, uv_set, std::uint32_t(kind), std::uint32_t(map.filter), std::uint32_t(map.wrap_u),
+          std::uint32_t(map.wrap_v), std::uint32_t(map.channel)})
+        put(whole);
+    for (const double number : {map.scale, map.midlevel, double(at.offset.x), double(at.offset.y),
+                                double(at.scale.x), double(at.scale.y), double(at.rotation)})
+        put(number);
+    return out;
 }
 
 Result<const Image*> DisplacementMaps::picture(const Scene& scene, Index image) {
@@ -133,11 +141,17 @@ void DisplacementMaps::find_readings(const Scene& scene, const HeightMapOptions&
     }
     reading_of_.assign(scene.materials.size(), no_index);
     const std::vector<Index> pictures = first_alike(scene.images);
-    std::vector<std::vector<Index>> of_picture(scene.images.size());  // readings
+    std::vector<bool> used(scene.materials.size(), false);
+    std::vector<std::vector<Index>> of_meshes;
+    for (const Mesh& mesh : scene.meshes) {
+        of_meshes.push_back(used_materials(mesh, scene.materials.size()));
+        for (const Index m : of_meshes.back()) used[m] = true;
+    }
+    std::unordered_map<std::string, Index> known;
     for (Index m = 0; m < scene.materials.size(); ++m) {
         const Material& material = scene.materials[m];
         const TextureRef& ref = material.displacement_map;
-        if (ref.texture >= scene.textures.size()) continue;
+        if (!used[m] || ref.texture >= scene.textures.size()) continue;
         const Texture& texture = scene.textures[ref.texture];
         if (texture.image >= scene.images.size()) continue;
         Reading as{.image = pictures[texture.image],
@@ -149,20 +163,12 @@ void DisplacementMaps::find_readings(const Scene& scene, const HeightMapOptions&
         as.map.placement = ref;
         as.map.scale *= double(material.displacement_scale) * double(ref.strength);
         as.map.midlevel = options_.midlevel.value_or(double(material.displacement_midlevel));
-        std::vector<Index>& others = of_picture[as.image];
-        const auto known = std::find_if(others.begin(), others.end(), [&](Index other) {
-            return readings_[other].is_read_as(as);
-        });
-        if (known != others.end()) {
-            reading_of_[m] = *known;
-            continue;
-        }
-        reading_of_[m] = Index(readings_.size());
-        others.push_back(reading_of_[m]);
-        readings_.push_back(std::move(as));
+        const auto [at, fresh] = known.emplace(as.key(), Index(readings_.size()));
+        reading_of_[m] = at->second;
+        if (fresh) readings_.push_back(std::move(as));
     }
-    for (Index mesh = 0; mesh < scene.meshes.size(); ++mesh)
-        for (const Index m : used_materials(scene.meshes[mesh], scene.materials.size()))
+    for (Index mesh = 0; mesh < of_meshes.size(); ++mesh)
+        for (const Index m : of_meshes[mesh])
             if (reading_of_[m] != no_index) readings_[reading_of_[m]].materials[mesh].push_back(m);
 }
 
@@ -330,15 +336,14 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     if (options_.map || noise || !options_.from_materials) return out;
     out.material_displacements.assign(scene.materials.size(), no_index);
     std::vector<std::pair<Index, std::vector<Index>>> groups;  // a reading and its materials
-    for (const Index m : used_materials(mesh, scene.materials.size())) {
+    std::map<Index, std::size_t> group_of;                     // by reading
+    // Materials of residual maps, which come later, have none.
+    for (const Index m : used_materials(mesh, reading_of_.size())) {
         if (reading_of_[m] == no_index) continue;
         used_.insert(m);
-        auto group = std::find_if(groups.begin(), groups.end(),
-                                  [&](const auto& known) { return known.first == reading_of_[m]; });
-        if (group == groups.end())
-            groups.push_back({reading_of_[m], {m}});
-        else
-            group->second.push_back(m);
+        const auto [at, fresh] = group_of.emplace(reading_of_[m], groups.size());
+        if (fresh) groups.push_back({reading_of_[m], {}});
+        groups[at->second].second.push_back(m);
     }
     for (const auto& [reading, materials] : groups) {
         for (const Index m : materials)

@@ -70,7 +70,7 @@ class DisplacementMaps {
         std::optional<VectorMap> vectors = {};
         Displacement confined = {};  // without a band limit
 
-        bool is_read_as(const Reading& other) const;  // whatever its faces
+        std::string key() const;  // equal where they are read alike, whatever their faces
     };
     void find_readings(const Scene& scene, const HeightMapOptions& heights);
     Result<void> make_heights(const Scene& scene, Reading& as, bool of_cages);

@@ -56,6 +56,9 @@ class Cut {
         }
         const double length = glm::length(sum);
         if (length > 0) normal_ = sum / length;
+        glm::length_t k = std::abs(sum.y) > std::abs(sum.x) ? 1 : 0;
+        if (std::abs(sum.z) > std::abs(sum[k])) k = 2;
+        axis_[k] = sum[k] < 0 ? -1 : 1;
     }
 
     std::vector<std::array<Index, 3>> turned() && {
@@ -75,6 +78,15 @@ class Cut {
     }
     glm::dvec3 twice_area(const std::array<Index, 3>& t) const {
         return glm::cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
+    }
+    // Squared.
+    double largest_side(const std::array<Index, 3>& t) const {
+        double largest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::dvec3 side = at(t[(k + 1) % 3]) - at(t[k]);
+            largest = std::max(largest, glm::dot(side, side));
+        }
+        return largest;
     }
     // Sine and cosine of the angle at `tip`, as the polygon is seen, times lengths.
     glm::dvec2 angle(Index tip, Index from, Index to) const {
@@ -113,19 +125,21 @@ class Cut {
         const double size = glm::length(p) * glm::length(q);
         constexpr double rounding = 0x1p-40;
         if (!(p.x * q.y + p.y * q.x < -rounding * size)) return false;
-        // Only across a strictly convex quadrilateral a, d, b, c.
-        for (const auto& [tip, from, to] : {std::array{a, d, c}, std::array{b, c, d}}) {
-            const glm::dvec2 corner = angle(tip, from, to);
-            if (!(corner.x > rounding * glm::length(corner))) return false;
-        }
-        s = {a, d, c};
-        r = {b, c, d};
+        // Only across a strictly convex quadrilateral a, d, b, c, whether it is seen along the
+        // normal or along the axis along which triangulate() does.
+        const std::array<Index, 3> left{a, d, c}, right{b, c, d};
+        for (const auto& triangle : {s, r, left, right})
+            for (const glm::dvec3& along : {normal_, axis_})
+                if (!(glm::dot(twice_area(triangle), along) > rounding * largest_side(triangle)))
+                    return false;
+        s = left;
+        r = right;
         return true;
     }
 
     const Mesh& mesh_;
     std::vector<std::array<Index, 3>> triangles_;
-    glm::dvec3 normal_{0.0};
+    glm::dvec3 normal_{0.0}, axis_{0.0};  // axis: the one that the normal is nearest to
 };
 
 constexpr Index whole = no_index - 1;  // a fan that starts as one triangle

@@ -102,9 +102,24 @@ Result<void> check_md5_numbers(const std::filesystem::path& path,
                  path.string() + ':' + std::to_string(excess->line)};
 }
 
-// Into the scene's warnings and remarks.
-void tell_limits(const std::filesystem::path& path, const std::optional<std::string>& converted,
-                 Scene& scene) {
+// Assimp names lights of X3D that have no name by where they lie in memory: another in each run.
+void drop_addresses(std::string_view text, Scene& scene) {
+    const auto drop = [&](std::string& name) {
+        for (const std::string_view kind : {"DirectionalLight", "PointLight", "SpotLight"})
+            if (name.starts_with(kind) && name.size() > kind.size() + 1 &&
+                name[kind.size()] == '_' &&
+                name.find_first_not_of("0123456789", kind.size() + 1) == std::string::npos &&
+                text.find(name) == std::string_view::npos)
+                name = kind;
+    };
+    for (Node& node : scene.nodes)
+        if (node.light != no_index) drop(node.name);
+    for (Light& light : scene.lights) drop(light.name);
+}
+
+// What the file's own text says beside what Assimp has read: into warnings and remarks.
+void look_at_text(const std::filesystem::path& path, const std::optional<std::string>& converted,
+                  Scene& scene) {
     const std::string ending = lower_case(path.extension().string());
     if (ending == ".3mf")
         scene.remarks.emplace_back(
@@ -113,27 +128,15 @@ void tell_limits(const std::filesystem::path& path, const std::optional<std::str
     std::vector<std::byte> bytes;
     const auto text = text_of(path, converted, bytes);
     if (!text) return;  // Assimp has read it a moment ago
-    for (std::string& sentence : misread_statements(ending, *text))
+    const std::string xml = without_comments(*text);
+    for (std::string& sentence : misread_statements(ending, xml))
         scene.warnings.push_back(std::move(sentence));
-    if (ending == ".dae" && text->find("<morph ") != std::string_view::npos &&
+    if (ending == ".dae" && has_element(xml, "morph") &&
         std::all_of(scene.meshes.begin(), scene.meshes.end(),
                     [](const Mesh& mesh) { return mesh.morph_targets.empty(); }))
         scene.warnings.emplace_back(
             "Assimp reads nothing of morph controllers: their meshes are missing");
-}
-
-// Assimp names lights of X3D that have no name by where they lie in memory: another in each run.
-void drop_addresses(Scene& scene) {
-    const auto drop = [](std::string& name) {
-        const std::size_t end = name.find("Light_");
-        const std::size_t digits = end + std::string_view("Light_").size();
-        if (end != std::string::npos && digits < name.size() &&
-            name.find_first_not_of("0123456789", digits) == std::string::npos)
-            name.resize(digits - 1);
-    };
-    for (Node& node : scene.nodes)
-        if (node.light != no_index) drop(node.name);
-    for (Light& light : scene.lights) drop(light.name);
+    if (ending == ".x3d") drop_addresses(xml, scene);
 }
 
 std::unique_ptr<Assimp::Importer> make_importer(std::vector<std::filesystem::path>& read) {
@@ -186,8 +189,7 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
                          path.string()};
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
         auto read = read_scene(*own, path, options);
-        if (read) tell_limits(path, converted, *read);
-        if (read && is_by(*own, "X3D")) drop_addresses(*read);
+        if (read) look_at_text(path, converted, *read);
         std::error_code ec;
         std::erase_if(others, [&](const std::filesystem::path& file) {
             return std::filesystem::equivalent(file, path, ec);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -449,13 +450,21 @@ void import_materials(AssimpImport& import, const LoadOptions& options) {
 }
 
 // Assimp leaves out sets that a file numbers and has not, and keeps the numbers in the materials.
-// A mesh has one material there.
+// A mesh, or a part of one that was joined, has one material there.
 void settle_uv_sets(AssimpImport& import) {
     Scene& scene = import.scene;
     std::vector<std::size_t> sets(scene.materials.size(), 0);
-    for (const Mesh& mesh : scene.meshes)
-        if (!mesh.face_materials.empty() && mesh.face_materials[0] < sets.size())
-            sets[mesh.face_materials[0]] = std::max(sets[mesh.face_materials[0]], mesh.uvs.size());
+    const auto has = [&](Index material, std::size_t count) {
+        if (material < sets.size()) sets[material] = std::max(sets[material], count);
+    };
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        const Mesh& mesh = scene.meshes[m];
+        if (m < import.parts.size() && !import.parts[m].empty())
+            for (const MeshPart& part : import.parts[m])
+                has(part.material, std::size_t(std::popcount(part.uv_sets)));
+        else if (!mesh.face_materials.empty())
+            has(mesh.face_materials[0], mesh.uvs.size());
+    }
     std::uint64_t moved = 0;
     for (std::size_t m = 0; m < sets.size(); ++m)
         for (const MaterialMap& map : material_maps)

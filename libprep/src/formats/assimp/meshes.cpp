@@ -50,7 +50,7 @@ class MeshImport {
             out.normals.indices = out.corner_vertices;
         }
         tangents(in, out);
-        loose_parts(in, out);
+        loose_parts(in, parts, out);
         for (unsigned s = 0; out.corner_count() > 0 && s < uv_sets(in); ++s) {
             auto& layer = out.uvs.emplace_back();
             for (unsigned v = 0; v < in.mNumVertices; ++v)
@@ -107,10 +107,10 @@ class MeshImport {
             const MeshPart& part = part_of(parts, out.corner_vertices[c]);
             if (!part.normals && !out.normals.empty()) out.normals.indices[c] = no_index;
             if (!part.tangents && !out.tangents.empty()) out.tangents.indices[c] = no_index;
-            for (std::size_t s = part.uv_sets; s < out.uvs.size(); ++s)
-                out.uvs[s].indices[c] = no_index;
-            for (std::size_t s = part.color_sets; s < out.colors.size(); ++s)
-                out.colors[s].indices[c] = no_index;
+            for (std::size_t s = 0; s < out.uvs.size(); ++s)
+                if ((part.uv_sets >> s & 1) == 0) out.uvs[s].indices[c] = no_index;
+            for (std::size_t s = 0; s < out.colors.size(); ++s)
+                if ((part.color_sets >> s & 1) == 0) out.colors[s].indices[c] = no_index;
         }
     }
 
@@ -153,19 +153,22 @@ class MeshImport {
     }
 
     // Lines and points have colours here, and those only where no face has them.
-    void loose_parts(const aiMesh& in, Mesh& out) {
+    void loose_parts(const aiMesh& in, std::span<const MeshPart> parts, Mesh& out) {
         if (out.points.empty() && out.line_vertices.empty()) return;
         const unsigned sets = color_sets(in);
         const bool taken = sets > 0 && out.face_count() == 0;
         if (taken) out.vertex_colors = colors(in, 0);
         out.loose_parts_with_attributes =
-            in.HasNormals() || uv_sets(in) > 0 || sets > (taken ? 1u : 0u) || has_material(in);
+            in.HasNormals() || uv_sets(in) > 0 || sets > (taken ? 1u : 0u) ||
+            is_material(in.mMaterialIndex) ||
+            std::any_of(parts.begin(), parts.end(),
+                        [&](const MeshPart& part) { return is_material(part.material); });
     }
 
     // Meshes without one have one that Assimp makes.
-    bool has_material(const aiMesh& in) const {
-        if (in.mMaterialIndex >= import_.from.mNumMaterials) return false;
-        const aiString name = import_.from.mMaterials[in.mMaterialIndex]->GetName();
+    bool is_material(unsigned index) const {
+        if (index >= import_.from.mNumMaterials) return false;
+        const aiString name = import_.from.mMaterials[index]->GetName();
         return text(name) != AI_DEFAULT_MATERIAL_NAME;
     }
 

@@ -3,32 +3,68 @@
 #include <algorithm>
 
 namespace prep::detail {
+namespace {
 
-std::vector<std::string> misread_statements(std::string_view ending, std::string_view text) {
-    struct Row {
-        std::string_view ending;
-        std::vector<std::string_view> words;  // any of them
-        std::string_view sentence;
-    };
-    // Seen with files that have each of them and little else.
-    static const std::vector<Row> rows{
-        {".x3d", {"<IndexedLineSet"}, "Assimp reads the lines of IndexedLineSet as faces"},
-        {".x3d",
-         {"ccw=\"false\"", "ccw='false'"},
-         "Assimp does not turn the faces of ccw=\"false\""},
-        {".x3d",
-         {"colorPerVertex=\"false\"", "colorPerVertex='false'", "colorIndex="},
-         "Assimp gives colours of faces, or by colorIndex, to other corners than the file"},
-        {".x3d", {"<LOD"}, "Assimp leaves out what LOD holds"},
-        {".amf", {"<rx>", "<ry>", "<rz>"}, "Assimp reads rotations of instances as translations"},
-    };
+constexpr std::string_view blanks = " \t\r\n";
+
+// Whether `name` is given `value` (empty: any) in some element.
+bool has_attribute(std::string_view xml, std::string_view name, std::string_view value) {
+    for (std::size_t at = xml.find(name); at != std::string_view::npos;
+         at = xml.find(name, at + 1)) {
+        if (at == 0 || blanks.find(xml[at - 1]) == std::string_view::npos) continue;
+        std::string_view rest = xml.substr(at + name.size());
+        rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
+        if (!rest.starts_with('=')) continue;
+        rest.remove_prefix(1);
+        rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
+        if (rest.empty() || (rest[0] != '"' && rest[0] != '\'')) continue;
+        if (value.empty() || rest.substr(1).starts_with(std::string(value) + rest[0])) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+std::string without_comments(std::string_view xml) {
+    std::string out;
+    for (;;) {
+        const std::size_t begin = xml.find("<!--");
+        out += xml.substr(0, begin);
+        if (begin == std::string_view::npos) return out;
+        const std::size_t end = xml.find("-->", begin + 4);
+        if (end == std::string_view::npos) return out;
+        xml.remove_prefix(end + 3);
+    }
+}
+
+bool has_element(std::string_view xml, std::string_view name) {
+    const std::string begin = '<' + std::string(name);
+    for (std::size_t at = xml.find(begin); at != std::string_view::npos;
+         at = xml.find(begin, at + 1)) {
+        const std::size_t end = at + begin.size();
+        if (end < xml.size() &&
+            (blanks.find(xml[end]) != std::string_view::npos || xml[end] == '>' || xml[end] == '/'))
+            return true;
+    }
+    return false;
+}
+
+std::vector<std::string> misread_statements(std::string_view ending, std::string_view xml) {
+    // Each was seen with a file that has it and little else.
     std::vector<std::string> out;
-    for (const Row& row : rows)
-        if (row.ending == ending &&
-            std::any_of(row.words.begin(), row.words.end(), [&](std::string_view word) {
-                return text.find(word) != std::string_view::npos;
-            }))
-            out.emplace_back(row.sentence);
+    if (ending == ".x3d") {
+        if (has_element(xml, "IndexedLineSet"))
+            out.emplace_back("Assimp reads the lines of IndexedLineSet as faces");
+        if (has_attribute(xml, "ccw", "false"))
+            out.emplace_back("Assimp does not turn the faces of ccw=\"false\"");
+        if (has_attribute(xml, "colorPerVertex", "false") || has_attribute(xml, "colorIndex", ""))
+            out.emplace_back(
+                "Assimp gives colours of faces, or by colorIndex, to other corners than the file");
+        if (has_element(xml, "LOD")) out.emplace_back("Assimp leaves out what LOD holds");
+    }
+    if (ending == ".amf" &&
+        (has_element(xml, "rx") || has_element(xml, "ry") || has_element(xml, "rz")))
+        out.emplace_back("Assimp reads rotations of instances as translations");
     return out;
 }
 

@@ -7,8 +7,14 @@
 
 namespace prep::detail {
 
-// Of a file with this ending (".x3d", lower case) and text: a sentence for each statement in it that
-// the reader passes over or misunderstands. XML alone, by the words that are there.
-std::vector<std::string> misread_statements(std::string_view ending, std::string_view text);
+// XML without its comments.
+std::string without_comments(std::string_view xml);
+
+// Whether an element of that name is in XML without comments.
+bool has_element(std::string_view xml, std::string_view name);
+
+// Of a file with this ending (".x3d", lower case) and text, XML without comments: a sentence for
+// each statement in it that the reader passes over or misunderstands.
+std::vector<std::string> misread_statements(std::string_view ending, std::string_view xml);
 
 }  // namespace prep::detail

@@ -3,9 +3,10 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -54,7 +55,7 @@ void join_faces(const std::vector<const aiMesh*>& parts, aiMesh& out) {
 
 // A bone of several parts is one where it is bound alike.
 void join_bones(const std::vector<const aiMesh*>& parts, aiMesh& out) {
-    using Key = std::pair<std::string, std::array<ai_real, 16>>;
+    using Key = std::pair<std::string, std::string>;  // its name, and the bytes of the matrix
     std::map<Key, std::size_t> known;
     std::vector<std::unique_ptr<aiBone>> bones;
     std::vector<std::vector<aiVertexWeight>> weights;
@@ -62,8 +63,9 @@ void join_bones(const std::vector<const aiMesh*>& parts, aiMesh& out) {
     for (const aiMesh* part : parts) {
         for (unsigned b = 0; b < part->mNumBones; ++b) {
             const aiBone& from = *part->mBones[b];
-            Key key{std::string(from.mName.data, from.mName.length), {}};
-            for (unsigned i = 0; i < 16; ++i) key.second[i] = from.mOffsetMatrix[i / 4][i % 4];
+            Key key{std::string(from.mName.data, from.mName.length),
+                    std::string(reinterpret_cast<const char*>(&from.mOffsetMatrix),
+                                sizeof from.mOffsetMatrix)};
             const auto [at, fresh] = known.emplace(std::move(key), bones.size());
             if (fresh) {
                 bones.push_back(std::make_unique<aiBone>());
@@ -82,7 +84,7 @@ void join_bones(const std::vector<const aiMesh*>& parts, aiMesh& out) {
     }
     if (bones.empty()) return;
     out.mNumBones = unsigned(bones.size());
-    out.mBones = new aiBone*[bones.size()];
+    out.mBones = new aiBone*[bones.size()]();
     for (std::size_t b = 0; b < bones.size(); ++b) {
         bones[b]->mNumWeights = unsigned(weights[b].size());
         bones[b]->mWeights = new aiVertexWeight[weights[b].size()];
@@ -95,7 +97,7 @@ void join_bones(const std::vector<const aiMesh*>& parts, aiMesh& out) {
 void join_targets(const std::vector<const aiMesh*>& parts, aiMesh& out) {
     out.mNumAnimMeshes = parts[0]->mNumAnimMeshes;
     if (out.mNumAnimMeshes == 0) return;
-    out.mAnimMeshes = new aiAnimMesh*[out.mNumAnimMeshes];
+    out.mAnimMeshes = new aiAnimMesh*[out.mNumAnimMeshes]();
     for (unsigned t = 0; t < out.mNumAnimMeshes; ++t) {
         aiAnimMesh& target = *(out.mAnimMeshes[t] = new aiAnimMesh());
         target.mName = parts[0]->mAnimMeshes[t]->mName;
@@ -158,48 +160,79 @@ std::unique_ptr<aiMesh> joined_mesh(const std::vector<const aiMesh*>& parts) {
     return out;
 }
 
+template <class T, std::size_t n>
+unsigned bits_of(T* const (&sets)[n]) {
+    unsigned bits = 0;
+    for (std::size_t s = 0; s < n; ++s) bits |= unsigned(sets[s] != nullptr) << s;
+    return bits;
+}
+
 bool is_bare(const aiNode& node) {
     return node.mNumMeshes == 1 && node.mNumChildren == 0 && node.mTransformation.IsIdentity();
 }
 
-// Files of 3DS without a hierarchy: each part has a node of its own below the root. Those of the
-// parts of one name, in a row, become one.
-void gather_parts(aiScene& scene) {
-    aiNode& root = *scene.mRootNode;
-    const auto name = [&](const aiNode& node) -> const aiString* {
+// Children of the root that are the parts of one mesh.
+struct Run {
+    unsigned begin = 0, end = 0;
+    std::unique_ptr<unsigned[]> meshes;
+};
+
+// Those of one name, in a row.
+std::vector<Run> runs_of_parts(const aiScene& scene) {
+    const aiNode& root = *scene.mRootNode;
+    const auto name = [&](unsigned child) -> const aiString* {
+        const aiNode& node = *root.mChildren[child];
         return is_bare(node) && node.mMeshes[0] < scene.mNumMeshes
                    ? &scene.mMeshes[node.mMeshes[0]]->mName
                    : nullptr;
     };
-    unsigned kept = 0;
-    for (unsigned c = 0; c < root.mNumChildren;) {
-        const aiString* const first = name(*root.mChildren[c]);
-        MeshNumbers meshes;
-        unsigned end = c;
-        for (; first && end < root.mNumChildren; ++end) {
-            const aiString* const next = name(*root.mChildren[end]);
-            if (!next || !(*next == *first)) break;
-            meshes.push_back(root.mChildren[end]->mMeshes[0]);
-        }
-        aiNode* const node = root.mChildren[kept++] = root.mChildren[c];
-        if (meshes.size() > 1) {
-            auto list = std::make_unique<unsigned[]>(meshes.size());
-            std::copy(meshes.begin(), meshes.end(), list.get());
-            delete[] std::exchange(node->mMeshes, list.release());
-            node->mNumMeshes = unsigned(meshes.size());
-            for (unsigned i = c + 1; i < end; ++i) delete root.mChildren[i];
-        }
-        c = std::max(end, c + 1);
+    std::vector<Run> runs;
+    for (unsigned begin = 0, end = 0; begin < root.mNumChildren; begin = end) {
+        const aiString* const first = name(begin);
+        for (end = begin + 1; first && end < root.mNumChildren; ++end)
+            if (const aiString* const next = name(end); !next || !(*next == *first)) break;
+        if (end - begin < 2) continue;
+        Run run{begin, end, std::make_unique<unsigned[]>(end - begin)};
+        for (unsigned c = begin; c < end; ++c)
+            run.meshes[c - begin] = root.mChildren[c]->mMeshes[0];
+        runs.push_back(std::move(run));
     }
-    root.mNumChildren = kept;
+    return runs;
+}
+
+// Files of 3DS without a hierarchy: each part has a node of its own below the root.
+void gather_parts(aiScene& scene) {
+    std::vector<Run> runs = runs_of_parts(scene);
+    // From here on nothing throws.
+    aiNode& root = *scene.mRootNode;
+    for (Run& run : runs) {
+        aiNode& node = *root.mChildren[run.begin];
+        delete[] std::exchange(node.mMeshes, run.meshes.release());
+        node.mNumMeshes = run.end - run.begin;
+        for (unsigned c = run.begin + 1; c < run.end; ++c)
+            delete std::exchange(root.mChildren[c], nullptr);
+    }
+    root.mNumChildren = unsigned(std::remove(root.mChildren, root.mChildren + root.mNumChildren,
+                                             static_cast<aiNode*>(nullptr)) -
+                                 root.mChildren);
+}
+
+// Of where its vertices are.
+std::uint64_t hash_of_points(const aiMesh& mesh) {
+    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a, by words
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+        for (unsigned k = 0; k < 3; ++k)
+            hash = (hash ^ std::bit_cast<std::uint32_t>(mesh.mVertices[v][k])) * 0x100000001b3;
+    return hash;
 }
 
 class Joiner {
   public:
-    Joiner(aiScene& scene, bool unnamed_too) : scene_(scene), unnamed_too_(unnamed_too) {}
+    Joiner(aiScene& scene, bool unnamed_too)
+        : scene_(scene), unnamed_too_(unnamed_too), hashes_(scene.mNumMeshes) {}
 
     MeshParts run() {
-        std::vector<std::pair<aiNode*, std::vector<MeshNumbers>>> nodes;
+        Nodes nodes;
         std::vector<aiNode*> open{scene_.mRootNode};
         while (!open.empty()) {
             aiNode* const node = open.back();
@@ -208,6 +241,8 @@ class Joiner {
             open.insert(open.end(), node->mChildren, node->mChildren + node->mNumChildren);
             if (node->mNumMeshes > 0) nodes.emplace_back(node, groups(*node));
         }
+        if (!any_) return {};
+        leave_shared_parts(nodes);
         // By their numbers, so that the order of meshes is that of their first parts.
         std::map<MeshNumbers, unsigned> places;
         std::vector<bool> used(scene_.mNumMeshes, false);
@@ -218,7 +253,6 @@ class Joiner {
             }
         for (unsigned m = 0; m < scene_.mNumMeshes; ++m)
             if (!used[m]) places.emplace(MeshNumbers{m}, 0);
-        if (!any_) return {};
         rebuild(places);
         for (auto& [node, of_node] : nodes) {
             node->mNumMeshes = unsigned(of_node.size());
@@ -229,6 +263,30 @@ class Joiner {
     }
 
   private:
+    using Nodes = std::vector<std::pair<aiNode*, std::vector<MeshNumbers>>>;
+
+    // Each part is in one group, whichever nodes have it: else a large one would be copied for each
+    // of the small ones beside it.
+    void leave_shared_parts(Nodes& nodes) const {
+        std::vector<const MeshNumbers*> group_of(scene_.mNumMeshes, nullptr);
+        std::vector<bool> shared(scene_.mNumMeshes, false);
+        for (const auto& [node, groups] : nodes)
+            for (const MeshNumbers& group : groups)
+                for (const unsigned m : group) {
+                    if (group_of[m] && *group_of[m] != group) shared[m] = true;
+                    group_of[m] = &group;
+                }
+        for (auto& [node, groups] : nodes) {
+            std::vector<MeshNumbers> kept;
+            for (MeshNumbers& group : groups)
+                if (std::none_of(group.begin(), group.end(), [&](unsigned m) { return shared[m]; }))
+                    kept.push_back(std::move(group));
+                else
+                    for (const unsigned m : group) kept.push_back({m});
+            groups = std::move(kept);
+        }
+    }
+
     // Of one name.
     bool are_one(unsigned a, unsigned b) const {
         const aiMesh &first = *scene_.mMeshes[a], &second = *scene_.mMeshes[b];
@@ -240,12 +298,24 @@ class Joiner {
         return true;
     }
 
+    // Not those of a part that is there; then they are there, too.
+    bool are_other_points(std::set<std::uint64_t>& known, unsigned first, unsigned next) {
+        if (known.empty()) known.insert(points_of(first));
+        return known.insert(points_of(next)).second;
+    }
+    std::uint64_t points_of(unsigned mesh) {
+        std::optional<std::uint64_t>& hash = hashes_[mesh];
+        if (!hash) hash = hash_of_points(*scene_.mMeshes[mesh]);
+        return *hash;
+    }
+
     // What the node has, in the order in which it names the first of each.
     std::vector<MeshNumbers> groups(const aiNode& node) {
         std::vector<MeshNumbers> out;
         struct Open {
             std::size_t group;
             std::uint64_t vertices;
+            std::set<std::uint64_t> points;  // of its parts
         };
         std::map<std::string, Open> by_name;
         std::set<unsigned> seen;
@@ -257,13 +327,14 @@ class Joiner {
                 by_name.emplace(std::string(mesh.mName.data, mesh.mName.length), Open{});
             Open& open = at->second;
             if (seen.insert(m).second && !fresh && are_one(out[open.group][0], m) &&
-                open.vertices + mesh.mNumVertices <= AI_MAX_VERTICES) {
+                open.vertices + mesh.mNumVertices <= AI_MAX_VERTICES &&
+                are_other_points(open.points, out[open.group][0], m)) {
                 out[open.group].push_back(m);
                 open.vertices += mesh.mNumVertices;
                 any_ = true;
                 continue;
             }
-            open = {out.size(), mesh.mNumVertices};
+            open = {out.size(), mesh.mNumVertices, {}};
             out.push_back({m});
         }
         return out;
@@ -276,8 +347,8 @@ class Joiner {
             const aiMesh& mesh = *scene_.mMeshes[m];
             from.push_back(&mesh);
             parts.push_back({first, mesh.mMaterialIndex, mesh.mNormals != nullptr,
-                             mesh.mTangents && mesh.mBitangents, mesh.GetNumUVChannels(),
-                             mesh.GetNumColorChannels()});
+                             mesh.mTangents && mesh.mBitangents, bits_of(mesh.mTextureCoords),
+                             bits_of(mesh.mColors)});
             first += mesh.mNumVertices;
         }
         return joined_mesh(from);
@@ -303,7 +374,8 @@ class Joiner {
 
     aiScene& scene_;
     const bool unnamed_too_;
-    bool any_ = false;  // group of several
+    std::vector<std::optional<std::uint64_t>> hashes_;  // by mesh
+    bool any_ = false;                                  // group of several
     MeshParts parts_;
 };
 

@@ -11,7 +11,7 @@ namespace prep::detail {
 struct MeshPart {
     unsigned first_vertex = 0, material = 0;
     bool normals = false, tangents = false;
-    unsigned uv_sets = 0, color_sets = 0;
+    unsigned uv_sets = 0, color_sets = 0;  // a bit each
 };
 
 // Of each of the scene's meshes; empty for one that is not joined.
@@ -20,8 +20,8 @@ using MeshParts = std::vector<std::vector<MeshPart>>;
 // Assimp gives a mesh of several materials as several, each with vertices of its own: surfaces that
 // end where materials meet, for repair, normals and subdivision. Those of one node that have one
 // name become one again, and those without names where `unnamed_too`; their faces one after the
-// other, their bones by name. Not where their morph targets differ in number. Nodes that share some
-// of the parts, and not all, each get a mesh.
+// other, their bones by name. Not where their morph targets differ in number, where two have the
+// same points (one geometry twice), and where nodes share some of the parts, but not all.
 MeshParts join_split_meshes(aiScene& scene, bool unnamed_too);
 
 }  // namespace prep::detail

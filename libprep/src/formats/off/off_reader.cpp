@@ -156,14 +156,16 @@ class OffParser {
             }
             // A vertex that has too few must not take of the next one's.
             const bool wrapped = lines_.number() != began;
-            if (!good || (wrapped && !header_.c && !header_.st && !scan.at_end()))
-                return fail("expected coordinates", line);
-            if (header_.c) (void)color(scan, header_.st ? 2 : 0, colors_.emplace_back());
+            if (!good) return fail("expected coordinates", line);
+            int of_color = 0;
+            if (header_.c) of_color = color(scan, header_.st ? 2 : 0, colors_.emplace_back());
             glm::dvec2 uv(0.0);
             if (header_.st && !scan.at_end()) {
                 if (!scan.number(uv.x) || !scan.number(uv.y))
                     return fail("expected texture coordinates", line);
             }
+            if (wrapped && (!scan.at_end() || of_color == 1 || of_color == 2))
+                return fail("expected coordinates", line);
             if (header_.st) uvs_.push_back({float(uv.x), float(1.0 - uv.y)});
             beyond |= !scan.at_end();
             positions.push_back(p);
@@ -232,6 +234,7 @@ class OffParser {
         std::vector<Color> colors_of_faces;  // empty, or of the faces up to the last with one
         bool passed_over = false;
         std::uint64_t short_faces = 0;
+        std::size_t doubtful = 0;  // a line
         for (std::int64_t f = 0; f < header_.faces; ++f) {
             if (!lines_.next(line))
                 return fail("the file ends after " + std::to_string(f) + " of " +
@@ -246,7 +249,7 @@ class OffParser {
             std::int64_t corners = 0;
             if (!scan.integer(corners) || corners < 0)
                 return fail("expected a number of corners", line);
-            const std::size_t first = mesh.corner_vertices.size();
+            const std::size_t first = mesh.corner_vertices.size(), began = lines_.number();
             for (std::int64_t k = 0; k < corners; ++k) {
                 std::int64_t v = 0;
                 if (!lines_.goes_on(scan, line) || !scan.integer(v))
@@ -261,6 +264,8 @@ class OffParser {
             // One number alone would be an index into a list that is not in the file.
             Color face_color;
             const bool more = !scan.at_end();
+            // A face that has too few may have taken of the next one's.
+            if (more && lines_.number() != began && doubtful == 0) doubtful = lines_.number();
             const bool colored =
                 more && !header_.c && corners >= 3 && color(scan, 0, face_color) >= 3;
             passed_over |= more && !colored;
@@ -282,6 +287,15 @@ class OffParser {
             }
             mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
         }
+        if (lines_.first_wrapped() && lines_.next(line))
+            return fail("the file goes on after its faces; line " +
+                            std::to_string(lines_.first_wrapped()) +
+                            " was read as the rest of the one before",
+                        line);
+        if (doubtful > 0)
+            scene_.warnings.push_back(name_ + ":" + std::to_string(doubtful) +
+                                      ": read as the rest of the face before, and what is left of "
+                                      "it as its colour");
         if (short_faces)
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces) +
                                       " faces with fewer than two corners were dropped");

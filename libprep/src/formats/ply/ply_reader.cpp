@@ -444,6 +444,11 @@ class PlyParser {
 
     // Where corners have none of their own.
     void take_uvs_of_vertices(const Mesh& mesh) {
+        if (std::find(corner_uv_indices_.begin(), corner_uv_indices_.end(), no_index) ==
+            corner_uv_indices_.end()) {
+            scene_.remarks.push_back(name_ + ": UVs of vertices were left out: faces have theirs");
+            return;
+        }
         const std::size_t own = corner_uvs_.size();
         corner_uvs_.insert(corner_uvs_.end(), vertices_.uvs.begin(), vertices_.uvs.end());
         for (std::size_t c = 0; c < mesh.corner_count(); ++c)
