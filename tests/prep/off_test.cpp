@@ -192,7 +192,9 @@ TEST(Off, NumbersGoOnInTheNextLine) {
         "NOFF 4\n2\n5\n0 0 0\n0 0 1\n1 0\n0 # here, too\n\n0 0 1\n1 1 0 0 0 1\n0\n1\n0\n0\n0\n1\n"
         "4\n0 1\n2 3 0.5 0.25 0.125\n3 0 1\n2\n");
     ASSERT_TRUE(scene) << test::error_of(scene);
-    EXPECT_TRUE(scene->warnings.empty());
+    EXPECT_EQ(scene->warnings,
+              std::vector<std::string>{"test.off:19: read as the rest of the face before, and what "
+                                       "is left of it as its colour"});
     const prep::Mesh& mesh = scene->meshes[0];
     EXPECT_EQ(mesh.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
     EXPECT_EQ(mesh.normals.values, std::vector<glm::vec3>(4, {0, 0, 1}));

@@ -479,8 +479,7 @@ Result<void> Refinement::refine_to_error() {
 
 Result<void> Refinement::refine_to_budget() {
     const bool has_goal = options_.chord_error || options_.pixel_error || options_.edge_length;
-    // Without a goal these are errors: less than a 256th of what rounding leaves is none.
-    const float goal = has_goal ? 1.0F : float(0x1p-30 * largest_coordinate_);
+    const float goal = has_goal ? 1.0F : float(0x1p-30 * largest_coordinate_);  // rounding's
     const std::uint64_t most = *options_.max_triangles;
     struct Mark {
         Touched touched;
