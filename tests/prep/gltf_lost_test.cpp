@@ -121,6 +121,13 @@ TEST(GltfLost, LinesInObjHaveNoMaterialOfFaces) {
             states.push_back(line.substr(0, line.find("//")));
     EXPECT_EQ(states, (Notes{"o solid", "usemtl red", "f 1 2 3", "o marks", "usemtl default", "p 4",
                              "p 5", "p 6", "usemtl red", "f 7 8 9"}));
+    // What they name is in the library, also where no face is without a material.
+    const test::TempDir dir;
+    d.write(dir / "in.glb");
+    auto scene = prep::load_scene(dir / "in.glb");
+    ASSERT_TRUE(scene.has_value());
+    ASSERT_TRUE(prep::save_scene(test::untouched(*std::move(scene)), dir / "out.obj").has_value());
+    EXPECT_NE(test::file_text(dir / "out.mtl").find("newmtl default\n"), std::string::npos);
 }
 
 TEST(GltfLost, CamerasAndLightsAreTold) {
