@@ -14,8 +14,8 @@ set(tests_together
      scene_json_values subdivide_face_varying"
     "prep gltf_corpus image_values invariance ply_records render_choices requirements result samples
      simd stability tangent_conventions tangents_fallback"
-    "prep gltf_lost prepare_reports repair_page repair_values save subdivision_oracle tangents_golden
-     tangents_options tangents_pole tangents_reference written_text written_values"
+    "prep gltf_lost gltf_requantize prepare_reports repair_page repair_values save
+     subdivision_oracle tangents_golden tangents_options tangents_pole tangents_reference written_text written_values"
     "prep one_picture ordered_files scene scene_json_defaults scene_shapes tangents_npm"
     "prep bilinear_deviation chart_filter large_vector tessellation_campaign tessellation_closed_faces
      tessellation_closed_form tessellation_economy tessellation_limit_bounds"

@@ -256,7 +256,7 @@ TEST(AssimpSplit, BonesAndTargetsAreThoseOfAllParts) {
     aiScene scene;
     give(scene, {part(0, "a", "left"), part(1, "a", "left"), part(2, "a", "right")},
          {node("one", {0, 1, 2})});
-    const prep::detail::MeshParts parts = prep::detail::join_split_meshes(scene, false);
+    const prep::detail::MeshParts parts = prep::detail::join_split_meshes(scene);
     ASSERT_EQ(scene.mNumMeshes, 1u);
     EXPECT_EQ(meshes_of(*scene.mRootNode->mChildren[0]), Indices{0});
     const aiMesh& mesh = *scene.mMeshes[0];
@@ -292,9 +292,11 @@ TEST(AssimpSplit, WhatIsNotOneMeshStaysApart) {
     aiScene names;
     give(names, {part(0, "a", "b"), part(1, "c", "b"), part(2, "", "b"), part(3, "", "b")},
          {node("one", {0, 1, 2, 3})});
-    EXPECT_TRUE(prep::detail::join_split_meshes(names, false).empty());
+    EXPECT_TRUE(prep::detail::join_split_meshes(names).empty());
     EXPECT_EQ(names.mNumMeshes, 4u);
-    prep::detail::join_split_meshes(names, true);
+    names.mMetaData = aiMetadata::Alloc(1);
+    names.mMetaData->Set(0, AI_METADATA_SOURCE_FORMAT, aiString("AC3D Importer"));
+    prep::detail::join_split_meshes(names);
     EXPECT_EQ(names.mNumMeshes, 3u);
     EXPECT_EQ(meshes_of(*names.mRootNode->mChildren[0]), (Indices{0, 1, 2}));
     // Targets of another number, or of other vertices.
@@ -304,13 +306,13 @@ TEST(AssimpSplit, WhatIsNotOneMeshStaysApart) {
     delete targets.mMeshes[1]->mAnimMeshes[0];
     targets.mMeshes[1]->mNumAnimMeshes = 0;
     targets.mMeshes[2]->mAnimMeshes[0]->mNumVertices = 2;
-    EXPECT_TRUE(prep::detail::join_split_meshes(targets, false).empty());
+    EXPECT_TRUE(prep::detail::join_split_meshes(targets).empty());
     EXPECT_EQ(targets.mNumMeshes, 3u);
     // One geometry twice in a node, with two materials: the same points.
     aiScene twice;
     give(twice, {part(0, "a", "b"), part(1, "a", "b"), part(0, "a", "b"), part(1, "a", "b")},
          {node("one", {0, 1, 2, 3})});
-    prep::detail::join_split_meshes(twice, false);
+    prep::detail::join_split_meshes(twice);
     EXPECT_EQ(twice.mNumMeshes, 2u);
     EXPECT_EQ(meshes_of(*twice.mRootNode->mChildren[0]), (Indices{0, 1}));
     // Parts that another node has beside others: all of theirs stay.
@@ -320,7 +322,7 @@ TEST(AssimpSplit, WhatIsNotOneMeshStaysApart) {
           part(4, "z", "b")},
          {node("one", {0, 1}), node("two", {0, 1, 3, 4}), node("three", {0, 2}),
           node("four", {3, 4}), node("five", {1, 1})});
-    const prep::detail::MeshParts parts = prep::detail::join_split_meshes(shared, false);
+    const prep::detail::MeshParts parts = prep::detail::join_split_meshes(shared);
     std::vector<Indices> of_nodes;
     for (unsigned n = 0; n < 5; ++n) of_nodes.push_back(meshes_of(*shared.mRootNode->mChildren[n]));
     EXPECT_EQ(of_nodes, (std::vector<Indices>{{0, 1}, {0, 1, 3}, {0, 2}, {3}, {1, 1}}));

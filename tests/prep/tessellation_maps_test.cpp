@@ -25,6 +25,13 @@ Image flat_map(std::uint32_t size) {
     return image;
 }
 
+Image random_map(unsigned seed) {
+    std::mt19937 random(seed);
+    Image image = flat_map(8);
+    for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
+    return image;
+}
+
 HeightMapOptions as_stored() {
     HeightMapOptions options;
     options.midlevel = 0;
@@ -255,9 +262,7 @@ TEST(TessellationMaps, BadMapsAreErrors) {
 // A chart goes on where the material changes, if the other has the same map: texels beyond the
 // border are no gutter.
 TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
-    std::mt19937 random(5);
-    Image image = flat_map(8);
-    for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
+    const Image image = random_map(5);
     const ::test::TempDir dir;
     const std::filesystem::path file = dir / "one_map.exr";
     ASSERT_TRUE(save_image(file, image, PixelType::f32));
@@ -308,9 +313,7 @@ TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
 
 // Nor does it end where a mesh does: tiles of a ground that are meshes of their own join.
 TEST(TessellationMaps, OnePictureOfTwoMeshesIsOneMap) {
-    std::mt19937 random(6);
-    Image image = flat_map(8);
-    for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
+    const Image image = random_map(6);
     const ::test::TempDir dir;
     const std::filesystem::path file = dir / "one_map.exr";
     ASSERT_TRUE(save_image(file, image, PixelType::f32));

@@ -22,16 +22,10 @@
 namespace prep::detail {
 namespace {
 
-// Readers that give the parts of a mesh no name, and a node one mesh alone.
-bool splits_unnamed_meshes(const aiScene& scene) {
-    return is_by(scene, "AC3D Importer") || is_by(scene, "ASE Importer") ||
-           is_by(scene, "LightWave/Modo Object Importer");
-}
-
 // Skins, animations, cameras and lights are told by the names of nodes: nodes come before them.
 Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
                          const LoadOptions& options) {
-    AssimpImport import{from, path, {}, {}, join_split_meshes(from, splits_unnamed_meshes(from))};
+    AssimpImport import{from, path, {}, {}, join_split_meshes(from)};
     import.scene.name = path.filename().string();
     import_materials(import, options);
     import_sides(import);
@@ -127,7 +121,8 @@ void look_at_text(const std::filesystem::path& path, const std::optional<std::st
     if (ending != ".x3d" && ending != ".amf" && ending != ".dae") return;
     std::vector<std::byte> bytes;
     const auto text = text_of(path, converted, bytes);
-    if (!text) return;  // Assimp has read it a moment ago
+    // No error: Assimp has read it a moment ago. Large files without a word of it are not copied.
+    if (!text || (ending == ".dae" && !has_element(*text, "morph"))) return;
     const std::string xml = without_comments(*text);
     for (std::string& sentence : misread_statements(ending, xml))
         scene.warnings.push_back(std::move(sentence));

@@ -1,4 +1,4 @@
-// Meshes as they are, and their morph targets: nothing joined, nothing triangulated.
+// Meshes as join_split_meshes() leaves them, and their morph targets: nothing is triangulated.
 #include <algorithm>
 #include <cmath>
 #include <span>

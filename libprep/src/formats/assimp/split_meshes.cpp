@@ -171,6 +171,12 @@ bool is_bare(const aiNode& node) {
     return node.mNumMeshes == 1 && node.mNumChildren == 0 && node.mTransformation.IsIdentity();
 }
 
+// Readers that give the parts of a mesh no name, and a node one mesh alone.
+bool splits_unnamed_meshes(const aiScene& scene) {
+    return is_by(scene, "AC3D Importer") || is_by(scene, "ASE Importer") ||
+           is_by(scene, "LightWave/Modo Object Importer");
+}
+
 // Children of the root that are the parts of one mesh.
 struct Run {
     unsigned begin = 0, end = 0;
@@ -381,9 +387,9 @@ class Joiner {
 
 }  // namespace
 
-MeshParts join_split_meshes(aiScene& scene, bool unnamed_too) {
+MeshParts join_split_meshes(aiScene& scene) {
     if (scene.mRootNode && is_by(scene, "Discreet 3DS Importer")) gather_parts(scene);
-    return Joiner(scene, unnamed_too).run();
+    return Joiner(scene, splits_unnamed_meshes(scene)).run();
 }
 
 }  // namespace prep::detail

@@ -19,9 +19,10 @@ using MeshParts = std::vector<std::vector<MeshPart>>;
 
 // Assimp gives a mesh of several materials as several, each with vertices of its own: surfaces that
 // end where materials meet, for repair, normals and subdivision. Those of one node that have one
-// name become one again, and those without names where `unnamed_too`; their faces one after the
-// other, their bones by name. Not where their morph targets differ in number, where two have the
-// same points (one geometry twice), and where nodes share some of the parts, but not all.
-MeshParts join_split_meshes(aiScene& scene, bool unnamed_too);
+// name become one again, and those without names where the reader gives a node one mesh; their
+// faces one after the other, their bones by name. Not where their morph targets differ in number,
+// where two have the same points (one geometry twice), and where nodes share some of the parts, but
+// not all.
+MeshParts join_split_meshes(aiScene& scene);
 
 }  // namespace prep::detail
