@@ -151,7 +151,7 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
         band.first = std::int64_t(b) * rows_in_band;
         band.last = std::min(size, band.first + rows_in_band);
         for (std::size_t k = offsets[b]; k < offsets[b + 1]; ++k)
-            bake(baked, triangles[of_band[k]], band);
+            if (const Triangle& t = triangles[of_band[k]]; claim(t, band)) bake(baked, t, band);
         counts[b].degrees = band.degrees;
         counts[b].largest = band.largest;
         counts[b].samples = band.samples;
@@ -164,7 +164,7 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
     return std::nullopt;
 }
 
-void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band) {
+bool ResidualPicture::claim(const Triangle& t, Band& band) {
     constexpr double inside = 1e-6;  // of a weight: beyond the roundings of a shared edge
     const std::int64_t size = size_;
     band.pieces.clear();
@@ -210,9 +210,11 @@ void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band
             }
         }
     }
-    if (band.pieces.empty()) return;
+    return !band.pieces.empty();
+}
 
-    // The base is smooth, heights are not: one frame a texel, heights at each sample.
+// The base is smooth, heights are not: one frame a texel, heights at each sample.
+void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band) {
     const VertexMesh& mesh = baked.mesh;
     const TrianglePlace& place = baked.places[mesh.triangle_faces[t.index]];
     const TrianglePoints points(baked.surface.heights().domain(), place.root, place.path);

@@ -208,6 +208,89 @@ FacesToCut faces_to_cut(const RefinedLevel& base, const std::vector<PieceKind>& 
     return cut;
 }
 
+// Per face of the cage: holes have none, nor has what is at a border that the rule leaves out.
+std::vector<std::uint8_t> faces_with_surface(const SurfaceCage& cage, const FarLevel& base) {
+    std::vector<std::uint8_t> has(cage.face_count(), 1);
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        if (!cage.holes.empty() && cage.holes[f]) has[f] = 0;
+        if (cage.boundary != BoundaryRule::none || cage.linear) continue;
+        for (std::uint32_t c = cage.face_offsets[f]; c < cage.face_offsets[f + 1]; ++c)
+            if (base.IsVertexBoundary(int(cage.corner_vertices[c]))) has[f] = 0;
+    }
+    return has;
+}
+
+// `uniform`: the creases' method, without Chaikin's averages; `channel`: of a channel as such.
+void refine_faces(Far::TopologyRefiner& refiner, int level, const std::vector<int>& faces,
+                  bool uniform, bool channel) {
+    if (faces.empty()) return;
+    Far::TopologyRefiner::AdaptiveOptions options(level);
+    // By Chaikin's averages the halves of an edge differ: a vertex may be smooth levels before its
+    // neighbours are, and its other faces have to come along. Of a channel as such, seams may part
+    // what is one crease to the mesh.
+    options.SetSecondaryLevel(uniform && !channel ? 2 : unsigned(level));
+    options.useInfSharpPatch = true;
+    options.considerFVarChannels = channel;
+    options.useSingleCreasePatch = uniform && !channel;
+    refiner.RefineAdaptive(options, {faces.data(), int(faces.size())});
+}
+
+// What was cut, and by which refiner.
+struct CutLevels {
+    const Far::TopologyRefiner& refiner;
+    const Far::TopologyRefiner* shallow;  // or none
+    const FacesToCut& cut;
+    bool triangles, channel;
+
+    // `sharp`: of the level above, where it is a channel's; then of this.
+    RefinedLevel copied(const Far::TopologyRefiner& from, int l, SharpValues& sharp) const {
+        RefinedLevel level = copied_level(from.GetLevel(l), l, triangles);
+        if (!channel) return level;
+        sharp = sharp_children(from.GetLevel(l - 1), from.GetLevel(l), sharp, triangles ? 3 : 4);
+        take_values(from.GetLevel(l), sharp, level);
+        return level;
+    }
+};
+
+// All below level 0, which is there; faces that the shallow refiner has cut come after the others.
+// Returns how many vertices of level 1 are before those of the shallow one. Error: more vertices
+// than indices name.
+Result<std::uint32_t> copy_levels(const CutLevels& cuts, SharpValues sharp,
+                                  std::vector<RefinedLevel>& levels) {
+    std::uint32_t before_shallow = 0;
+    for (int l = 1; l < cuts.refiner.GetNumLevels(); ++l) {
+        SharpValues of_shallow = sharp;
+        RefinedLevel level = cuts.copied(cuts.refiner, l, sharp);
+        RefinedLevel more;
+        const bool two = l == 1 && cuts.shallow;
+        if (two) more = cuts.copied(*cuts.shallow, l, of_shallow);
+        RefinedLevel& above = levels.back();
+        const std::uint64_t first = std::uint64_t(above.first_vertex) + above.vertex_count;
+        if (const std::uint64_t all = first + level.vertex_count + more.vertex_count;
+            all >= no_index)
+            return Error{ErrorCode::limit,
+                         "the refined cage would have more than " + std::to_string(all) +
+                             " vertices; 32-bit indices name " + std::to_string(no_index - 1) +
+                             ": subdivide parts of the mesh on their own",
+                         ""};
+        level.first_vertex = std::uint32_t(first);
+        const FarLevel& before = cuts.refiner.GetLevel(l - 1);
+        for (int f = 0; f < before.GetNumFaces(); ++f)
+            above.first_child[std::size_t(f)] = first_child(before, f);
+        if (two) {
+            const auto faces = std::uint32_t(level.first_child.size());
+            for (const int f : cuts.cut.all)
+                if (const std::uint32_t child = first_child(cuts.shallow->GetLevel(0), f);
+                    !cuts.cut.deep[std::size_t(f)])
+                    above.first_child[std::size_t(f)] = child == no_index ? child : faces + child;
+            before_shallow = level.vertex_count;
+            append(level, more);
+        }
+        levels.push_back(std::move(level));
+    }
+    return before_shallow;
+}
+
 // Numbers as Far's refiner wants them.
 struct NumberRow {
     double* numbers;
@@ -279,13 +362,7 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
     const bool triangles = cage.scheme == SubdivisionScheme::loop;
     const FarLevel& base = refiner->GetLevel(0);
     refined.edge_count = std::uint32_t(base.GetNumEdges());
-    refined.has_surface.assign(cage.face_count(), 1);
-    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
-        if (!cage.holes.empty() && cage.holes[f]) refined.has_surface[f] = 0;
-        if (cage.boundary != BoundaryRule::none || cage.linear) continue;
-        for (std::uint32_t c = cage.face_offsets[f]; c < cage.face_offsets[f + 1]; ++c)
-            if (base.IsVertexBoundary(int(cage.corner_vertices[c]))) refined.has_surface[f] = 0;
-    }
+    refined.has_surface = faces_with_surface(cage, base);
     const bool channel = refined.rules_->channel = cage.channel_of != nullptr;
     SharpValues sharp(channel ? cage.vertex_count : 0);
     for (const VertexMark& mark : cage.corners)
@@ -313,17 +390,7 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
                      ""};
     }
     const auto refine = [&](Far::TopologyRefiner& one, int level, const std::vector<int>& faces) {
-        if (faces.empty()) return;
-        Far::TopologyRefiner::AdaptiveOptions options(level);
-        // By Chaikin's averages the halves of an edge differ: a vertex may be smooth levels before
-        // its neighbours are, and its other faces have to come along. Of a channel as such, seams
-        // may part what is one crease to the mesh.
-        const bool uniform = cage.creasing == CreasingMethod::uniform && !channel;
-        options.SetSecondaryLevel(uniform ? 2 : unsigned(level));
-        options.useInfSharpPatch = true;
-        options.considerFVarChannels = channel;
-        options.useSingleCreasePatch = uniform;
-        one.RefineAdaptive(options, {faces.data(), int(faces.size())});
+        refine_faces(one, level, faces, cage.creasing == CreasingMethod::uniform, channel);
     };
     auto& shallow = refined.rules_->shallow;
     const bool any_deep = !cut.deep_and_beside.empty();
@@ -340,43 +407,10 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
                      "faces that use a vertex twice fold the cage so that it cannot be refined: "
                      "remove them first (--repair)",
                      ""};
-    for (int l = 1; l < refiner->GetNumLevels(); ++l) {
-        const FarLevel& before = refiner->GetLevel(l - 1);
-        const auto copied = [&](const Far::TopologyRefiner& from, SharpValues& of_values) {
-            RefinedLevel level = copied_level(from.GetLevel(l), l, triangles);
-            if (!channel) return level;
-            of_values = sharp_children(from.GetLevel(l - 1), from.GetLevel(l), of_values,
-                                       refined.corners_per_face);
-            take_values(from.GetLevel(l), of_values, level);
-            return level;
-        };
-        SharpValues of_shallow = sharp;
-        RefinedLevel level = copied(*refiner, sharp);
-        RefinedLevel& above = refined.levels.back();
-        const std::uint64_t first = std::uint64_t(above.first_vertex) + above.vertex_count;
-        RefinedLevel more;
-        if (shallow && l == 1) more = copied(*shallow, of_shallow);
-        if (const std::uint64_t all = first + level.vertex_count + more.vertex_count;
-            all >= no_index)
-            return Error{ErrorCode::limit,
-                         "the refined cage would have more than " + std::to_string(all) +
-                             " vertices; 32-bit indices name " + std::to_string(no_index - 1) +
-                             ": subdivide parts of the mesh on their own",
-                         ""};
-        level.first_vertex = std::uint32_t(first);
-        for (int f = 0; f < before.GetNumFaces(); ++f)
-            above.first_child[std::size_t(f)] = first_child(before, f);
-        if (l == 1 && shallow) {
-            const auto faces = std::uint32_t(level.first_child.size());
-            for (const int f : cut.all)
-                if (const std::uint32_t child = first_child(shallow->GetLevel(0), f);
-                    !cut.deep[std::size_t(f)])
-                    above.first_child[std::size_t(f)] = child == no_index ? child : faces + child;
-            refined.rules_->deep_vertices = level.vertex_count;
-            append(level, more);
-        }
-        refined.levels.push_back(std::move(level));
-    }
+    const CutLevels cuts{*refiner, shallow.get(), cut, triangles, channel};
+    const Result<std::uint32_t> deep = copy_levels(cuts, std::move(sharp), refined.levels);
+    if (!deep) return deep.error();
+    refined.rules_->deep_vertices = *deep;
     return refined;
 }
 

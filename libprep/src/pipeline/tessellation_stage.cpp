@@ -87,6 +87,28 @@ Result<std::vector<ScreenMetric>> screens_of(const Scene& scene, std::uint32_t i
     return screens;
 }
 
+// Where heights, and no error of any kind, were asked for.
+void choose_goal(const Mesh& mesh, TessellateOptions& options) {
+    constexpr double share_of_diagonal = 1e-3;
+    constexpr double float_steps = 0x1p-20;  // errors finer than floats are refused
+    constexpr std::uint64_t usual_most = 1'000'000;
+    const Extent extent = extent_of(mesh);
+    options.chord_error =
+        std::max(share_of_diagonal * extent.diagonal, float_steps * extent.farthest);
+    options.max_triangles = usual_most;
+}
+
+// What is cut into triangles, in words.
+std::string surface_of(const TessellateOptions& options, const std::vector<std::string>& pictures,
+                       double band_limit) {
+    std::string text =
+        options.scheme ? std::string(name_of(*options.scheme)) + " limit surface" : "polygons";
+    if (pictures.empty()) return text;
+    text += fmt::format(" displaced by {}", fmt::join(pictures, ", "));
+    if (band_limit != 0) text += fmt::format(" as samples {} apart carry it", band_limit);
+    return text;
+}
+
 }  // namespace
 
 std::vector<std::vector<MeshInstance>> instances_of(const Scene& scene) {
@@ -103,12 +125,13 @@ Result<void> MeshPreparation::tessellate_mesh() {
         log_.skipped("tessellate", "there are no faces");
         return {};
     }
-    const bool has_targets = !mesh_.morph_targets.empty();
-    if (has_targets || !mesh_.skin_influences.empty()) {
-        const std::string what = has_targets ? "morph targets" : "skin weights";
-        log_.skipped("tessellate", "the mesh has " + what);
+    if (const char* const what = !mesh_.morph_targets.empty()     ? "morph targets"
+                                 : !mesh_.skin_influences.empty() ? "skin weights"
+                                                                  : nullptr) {
+        log_.skipped("tessellate", std::string("the mesh has ") + what);
         add_finding("moving-mesh-kept", Severity::warning, mesh_.face_count(), {},
-                    "faces are left as they are, neither displaced nor refined: the mesh has " +
+                    std::string("faces are left as they are, neither displaced nor refined: the "
+                                "mesh has ") +
                         what + ", which would not fit the new points",
                     PlaceKind::face);
         return {};
@@ -151,24 +174,9 @@ Result<void> MeshPreparation::tessellate_mesh() {
         pictures = std::move(maps->names);
         as_read = std::move(maps->as_read);
     }
-    if (!has_goal(options)) {
-        constexpr double share_of_diagonal = 1e-3;
-        constexpr double float_steps = 0x1p-20;  // errors finer than floats are refused
-        constexpr std::uint64_t usual_most = 1'000'000;
-        const Extent extent = extent_of(mesh_);
-        options.chord_error =
-            std::max(share_of_diagonal * extent.diagonal, float_steps * extent.farthest);
-        options.max_triangles = usual_most;
-    }
-    const std::string surface =
-        options.scheme ? std::string(name_of(*options.scheme)) + " limit surface" : "polygons";
+    if (!has_goal(options)) choose_goal(mesh_, options);
     const std::string reason =
-        surface +
-        (pictures.empty() ? "" : fmt::format(" displaced by {}", fmt::join(pictures, ", "))) +
-        (pictures.empty() || displacement.band_limit == 0
-             ? ""
-             : fmt::format(" as samples {} apart carry it", displacement.band_limit)) +
-        ": " + goal_of(options);
+        surface_of(options, pictures, displacement.band_limit) + ": " + goal_of(options);
     const std::size_t attributes = mesh_.vertex_attributes.size();
     choose_residuals(options);
     // A limit surface has its own; those of polygons are interpolated.

@@ -103,7 +103,7 @@ class Batch {
                 sources_.add(job, files);
                 return outcome;
             }
-            return prepare_file(job, command_, threads, directories_, links_, sources_, console_,
+            return prepare_file(job, command_, threads, {directories_, links_, sources_, console_},
                                 prefix);
         } catch (const std::bad_alloc&) {
             outcome.error = prep::Error{

@@ -272,6 +272,221 @@ prep::Result<prep::Scene> load_with_picture(const std::filesystem::path& path,
     return std::move(loaded->scene);
 }
 
+// One file on its way from input to output. A step that cannot be done says why in the outcome, and
+// returns false.
+class FilePreparation {
+  public:
+    FilePreparation(const Job& job, const PrepareCommand& command, int threads,
+                    const BatchSurroundings& batch, const std::string& prefix)
+        : job_(job),
+          command_(command),
+          threads_(threads),
+          batch_(batch),
+          prefix_(prefix),
+          load_(load_options(command.common, batch.console)),
+          picture_(command.picture),
+          format_(job.format.empty() ? lower_ending(job.output) : job.format),
+          is_gltf_(format_ == "glb" || format_ == "gltf") {
+        load_.threads = threads;
+        out_.job = job;
+        out_.error = job.error;
+    }
+
+    Outcome run() && {
+        if (!out_.error && read() && place() && prepare() && may_be_written()) write();
+        return std::move(out_);
+    }
+
+  private:
+    void begin(const char* what) {
+        batch_.console.progress(command_.common, prefix_ + job_.input.string() + " … " + what);
+        start_ = Clock::now();
+    }
+
+    // What was used since the call before.
+    MemoryUse used() {
+        const prep::detail::ProcessMemory before = memory_;
+        memory_ = prep::detail::process_memory();
+        return {memory_.page_faults - before.page_faults, memory_.peak_bytes};
+    }
+
+    bool failed(prep::Error error) {
+        out_.error = std::move(error);
+        return false;
+    }
+
+    bool read() {
+        begin("reading");
+        memory_ = prep::detail::process_memory();
+        watch_.emplace(job_.input);
+        prep::Result<InputFile> input =
+            InputFile::open(job_.input, command_.common.input_format, &batch_.links);
+        if (!input) return failed(input.error());
+        input_.emplace(*std::move(input));
+        out_.gltf_before = count_gltf_file(input_->path());
+        prep::Result<prep::Scene> scene =
+            command_.prepare.tessellation.pixel_error
+                ? load_with_picture(input_->path(), load_, orbit_, picture_)
+                : prep::load_scene(input_->path(), load_);
+        out_.read_ms = milliseconds_since(start_);
+        out_.read_memory = used();
+        if (!scene) return failed(input_->relabelled(scene.error()));
+        scene_ = *std::move(scene);
+        if (!command_.manifest.empty() && !command_.files.in_place)
+            note_sources(*input_, scene_, command_, *watch_, out_);
+        out_.bytes_before = bytes_of(input_->path(), scene_);
+        batch_.sources.add(job_, *input_, scene_);
+        input_->settle(scene_);
+        return true;
+    }
+
+    // At the scale and with the axis that were asked for, and with something to prepare.
+    bool place() {
+        prep::place_scene(scene_, command_.scale, command_.up);
+        if (command_.scale != 1) {
+            if (auto error = beyond_float(scene_, job_.input)) return failed(*std::move(error));
+        }
+        out_.before = count_scene(scene_);
+        if (out_.gltf_before.figures.empty()) out_.parts = count_parts(scene_);
+        out_.placement = scene_.placement;
+        out_.warnings = scene_.warnings;
+        out_.remarks = scene_.remarks;
+        if (const prep::Result<void> some = prep::require_geometry(scene_); !some) {
+            // Cameras, lights and animations are something to convert, where the format holds them;
+            // and a glTF document is whatever it is.
+            const bool others = !scene_.cameras.empty() || !scene_.lights.empty() ||
+                                !scene_.animations.empty() || scene_.retained_file;
+            if (!others || !is_gltf_) return failed(some.error());
+            out_.warnings.push_back(some.error().text);
+        }
+        return true;
+    }
+
+    bool prepare() {
+        begin("preparing");
+        prep::PrepareOptions options = prepare_options(command_.prepare, load_, threads_);
+        options.request.consumer = consumer_for(command_.consumer, scene_, job_.input, job_.output);
+        options.document_stays = is_gltf_;
+        if (options.tessellation.pixel_error) {
+            const std::uint32_t width = picture_.choices.width, height = picture_.choices.height;
+            const auto views =
+                screen_views({command_.camera, 0, orbit_}, scene_, double(width) / height);
+            if (!views) return failed(input_->relabelled(views.error()));
+            options.tessellation.screens = screen_metrics(*views, width, height);
+        }
+        displacement_maps_ = count_displacement_maps(scene_);
+        std::vector<std::vector<prep::Call>> calls;
+        if (command_.explain) calls = prep::calls_for(scene_, options.request.consumer);
+        prep::Result<prep::PreparedScene> prepared =
+            prepared_in_time(std::move(scene_), options, command_, out_);
+        if (!out_.times) out_.prepare_ms = milliseconds_since(start_);
+        out_.prepare_memory = used();
+        if (!prepared) return failed(input_->relabelled(prepared.error()));
+        prepared_ = *std::move(prepared);
+        if (command_.explain) out_.requirements = requirements_json(prepared_, calls);
+        note_prepared();
+        return true;
+    }
+
+    void note_prepared() {
+        out_.after = count_prepared(prepared_, format_);
+        out_.splits = prepared_.splits;
+        out_.stages = prepared_.stages;
+        out_.findings = prepared_.findings;
+        remark_unused_options(prepared_, command_, out_);
+        out_.repairs = prepared_.repairs;
+        out_.tessellated = prepared_.tessellated;
+        out_.orders = prepared_.orders;
+        out_.residual_maps = prepared_.residual_maps;
+        for (const prep::ResidualMap& map : out_.residual_maps)
+            out_.residual_names.push_back(prepared_.scene.materials[map.material].name);
+        for (const prep::Mesh& mesh : prepared_.scene.meshes) out_.mesh_names.push_back(mesh.name);
+    }
+
+    bool may_be_written() {
+        if (command_.files.in_place && format_ == "obj") {
+            if (auto error = at_odds_with_libraries(prepared_, displacement_maps_, job_.input))
+                return failed(*std::move(error));
+        }
+        if (command_.strict && out_.warning_count() > 0)
+            return failed({prep::ErrorCode::invalid,
+                           count_of(out_.warning_count(), "warning") +
+                               ", and --strict was given: nothing was written",
+                           job_.input.string()});
+        return true;
+    }
+
+    prep::SaveOptions save_options() {
+        prep::SaveOptions save;
+        save.threads = threads_;
+        const bool two_forms = format_ == "ply" || format_ == "stl";
+        save.ascii =
+            command_.files.ascii || (command_.files.in_place && two_forms && is_text(job_.input));
+        save.compression = command_.compression;
+        save.replace = command_.files.overwrite;
+        save.replace_sources = command_.files.in_place;
+        save.written = &out_.written;
+        save.spared = [this](const std::filesystem::path& file) {
+            return batch_.sources.of_another(job_, file);
+        };
+        return save;
+    }
+
+    bool write() {
+        begin("writing");
+        const prep::SaveOptions save = save_options();
+        const bool stream = is_standard_stream(job_.output);
+        if (!stream) {
+            if (const auto made = batch_.directories.make_for(job_.output); !made)
+                return failed(made.error());
+        }
+        prep::Result<std::vector<std::string>> notes =
+            save_quantized(prepared_, command_, save, threads_, out_);
+        out_.write_ms = milliseconds_since(start_);
+        out_.write_memory = used();
+        if (!notes) return failed(input_->relabelled(notes.error()));
+        out_.notes = *std::move(notes);
+        if (out_.quantized)
+            out_.remarks.insert(out_.remarks.end(), out_.quantized->remarks.begin(),
+                                out_.quantized->remarks.end());
+        if (command_.strict && !out_.notes.empty())
+            out_.error =
+                prep::Error{prep::ErrorCode::invalid,
+                            "the format does not hold all there is, and --strict was given; the "
+                            "file is there",
+                            job_.output.string()};
+        // What went into a pipe cannot be looked at: opening it would wait for another writer.
+        std::error_code ec;
+        if (!stream && std::filesystem::is_regular_file(job_.output, ec))
+            out_.gltf_after = count_gltf_file(job_.output);
+        out_.bytes_after = out_.bytes.size();
+        for (const std::filesystem::path& file : out_.written) out_.bytes_after += bytes_of(file);
+        // In place the input is what was written by now.
+        if (!command_.manifest.empty() && command_.files.in_place)
+            note_sources(*input_, prepared_.scene, command_, *watch_, out_);
+        return true;
+    }
+
+    const Job& job_;
+    const PrepareCommand& command_;
+    const int threads_;
+    const BatchSurroundings& batch_;
+    const std::string& prefix_;
+    prep::LoadOptions load_;
+    prep::RenderWishes picture_;
+    const std::string format_;
+    const bool is_gltf_;
+    Outcome out_;
+    Clock::time_point start_;
+    prep::detail::ProcessMemory memory_{};
+    std::optional<ReadWatch> watch_;
+    std::optional<InputFile> input_;
+    std::optional<prep::OrbitCamera> orbit_;
+    prep::Scene scene_;  // until it is prepared
+    std::size_t displacement_maps_ = 0;
+    prep::PreparedScene prepared_;
+};
+
 }  // namespace
 
 std::size_t Outcome::warning_count() const {
@@ -281,169 +496,8 @@ std::size_t Outcome::warning_count() const {
 }
 
 Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
-                     OutputDirectories& directories, SiblingLinks& links, BatchSources& sources,
-                     Console& console, const std::string& prefix) {
-    Outcome out;
-    out.job = job;
-    out.error = job.error;
-    if (out.error) return out;
-    const auto show = [&](const char* what) {
-        console.progress(command.common, prefix + job.input.string() + " … " + what);
-    };
-
-    show("reading");
-    Clock::time_point start = Clock::now();
-    prep::detail::ProcessMemory memory = prep::detail::process_memory();
-    // What the step since the last call used.
-    const auto used = [&memory] {
-        const prep::detail::ProcessMemory now = prep::detail::process_memory();
-        const MemoryUse use{now.page_faults - memory.page_faults, now.peak_bytes};
-        memory = now;
-        return use;
-    };
-    const ReadWatch watch(job.input);
-    const prep::Result<InputFile> input =
-        InputFile::open(job.input, command.common.input_format, &links);
-    if (!input) {
-        out.error = input.error();
-        return out;
-    }
-    out.gltf_before = count_gltf_file(input->path());
-    prep::LoadOptions load = load_options(command.common, console);
-    load.threads = threads;
-    std::optional<prep::OrbitCamera> orbit;
-    prep::RenderWishes picture = command.picture;
-    prep::Result<prep::Scene> scene = command.prepare.tessellation.pixel_error
-                                          ? load_with_picture(input->path(), load, orbit, picture)
-                                          : prep::load_scene(input->path(), load);
-    out.read_ms = milliseconds_since(start);
-    out.read_memory = used();
-    if (!scene) {
-        out.error = input->relabelled(scene.error());
-        return out;
-    }
-    if (!command.manifest.empty() && !command.files.in_place)
-        note_sources(*input, *scene, command, watch, out);
-    out.bytes_before = bytes_of(input->path(), *scene);
-    sources.add(job, *input, *scene);
-    input->settle(*scene);
-    prep::place_scene(*scene, command.scale, command.up);
-    if (command.scale != 1) {
-        if (out.error = beyond_float(*scene, job.input); out.error) return out;
-    }
-    out.before = count_scene(*scene);
-    if (out.gltf_before.figures.empty()) out.parts = count_parts(*scene);
-    out.placement = scene->placement;
-    out.warnings = scene->warnings;
-    out.remarks = scene->remarks;
-    const std::string format = job.format.empty() ? lower_ending(job.output) : job.format;
-    const bool is_gltf = format == "glb" || format == "gltf";
-    if (const prep::Result<void> some = prep::require_geometry(*scene); !some) {
-        // Cameras, lights and animations are something to convert, where the format holds them; and
-        // a glTF document is whatever it is.
-        const bool others = !scene->cameras.empty() || !scene->lights.empty() ||
-                            !scene->animations.empty() || scene->retained_file;
-        if (!others || !is_gltf) {
-            out.error = some.error();
-            return out;
-        }
-        out.warnings.push_back(some.error().text);
-    }
-
-    show("preparing");
-    start = Clock::now();
-    prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
-    options.request.consumer = consumer_for(command.consumer, *scene, job.input, job.output);
-    options.document_stays = is_gltf;
-    if (options.tessellation.pixel_error) {
-        const std::uint32_t width = picture.choices.width, height = picture.choices.height;
-        const auto views = screen_views({command.camera, 0, orbit}, *scene, double(width) / height);
-        if (!views) {
-            out.error = input->relabelled(views.error());
-            return out;
-        }
-        options.tessellation.screens = screen_metrics(*views, width, height);
-    }
-    const std::size_t displacement_maps = count_displacement_maps(*scene);
-    std::vector<std::vector<prep::Call>> calls;
-    if (command.explain) calls = prep::calls_for(*scene, options.request.consumer);
-    prep::Result<prep::PreparedScene> prepared =
-        prepared_in_time(*std::move(scene), options, command, out);
-    if (!out.times) out.prepare_ms = milliseconds_since(start);
-    out.prepare_memory = used();
-    if (!prepared) {
-        out.error = input->relabelled(prepared.error());
-        return out;
-    }
-    out.after = count_prepared(*prepared, format);
-    out.splits = prepared->splits;
-    out.stages = prepared->stages;
-    out.findings = prepared->findings;
-    remark_unused_options(*prepared, command, out);
-    out.repairs = prepared->repairs;
-    out.tessellated = prepared->tessellated;
-    out.orders = prepared->orders;
-    out.residual_maps = prepared->residual_maps;
-    for (const prep::ResidualMap& map : out.residual_maps)
-        out.residual_names.push_back(prepared->scene.materials[map.material].name);
-    for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
-    if (command.explain) out.requirements = requirements_json(*prepared, calls);
-    if (command.files.in_place && format == "obj") {
-        out.error = at_odds_with_libraries(*prepared, displacement_maps, job.input);
-        if (out.error) return out;
-    }
-    if (command.strict && out.warning_count() > 0) {
-        out.error = prep::Error{prep::ErrorCode::invalid,
-                                count_of(out.warning_count(), "warning") +
-                                    ", and --strict was given: nothing was written",
-                                job.input.string()};
-        return out;
-    }
-
-    show("writing");
-    start = Clock::now();
-    prep::SaveOptions save;
-    save.threads = threads;
-    const bool two_forms = format == "ply" || format == "stl";
-    save.ascii = command.files.ascii || (command.files.in_place && two_forms && is_text(job.input));
-    save.compression = command.compression;
-    save.replace = command.files.overwrite;
-    save.replace_sources = command.files.in_place;
-    save.written = &out.written;
-    save.spared = [&](const std::filesystem::path& file) { return sources.of_another(job, file); };
-    const bool stream = is_standard_stream(job.output);
-    if (const auto made = stream ? prep::Result<void>() : directories.make_for(job.output); !made) {
-        out.error = made.error();
-        return out;
-    }
-    prep::Result<std::vector<std::string>> notes =
-        save_quantized(*prepared, command, save, threads, out);
-    out.write_ms = milliseconds_since(start);
-    out.write_memory = used();
-    if (!notes) {
-        out.error = input->relabelled(notes.error());
-        return out;
-    }
-    out.notes = *std::move(notes);
-    if (out.quantized)
-        out.remarks.insert(out.remarks.end(), out.quantized->remarks.begin(),
-                           out.quantized->remarks.end());
-    if (command.strict && !out.notes.empty())
-        out.error =
-            prep::Error{prep::ErrorCode::invalid,
-                        "the format does not hold all there is, and --strict was given; the "
-                        "file is there",
-                        job.output.string()};
-    // What went into a pipe cannot be looked at: opening it would wait for another writer.
-    std::error_code ec;
-    if (!stream && std::filesystem::is_regular_file(job.output, ec))
-        out.gltf_after = count_gltf_file(job.output);
-    out.bytes_after = out.bytes.size();
-    for (const std::filesystem::path& file : out.written) out.bytes_after += bytes_of(file);
-    // In place the input is what was written by now.
-    if (!command.manifest.empty() && command.files.in_place)
-        note_sources(*input, prepared->scene, command, watch, out);
-    return out;
+                     const BatchSurroundings& batch, const std::string& prefix) {
+    return FilePreparation(job, command, threads, batch, prefix).run();
 }
 
 }  // namespace meshprep

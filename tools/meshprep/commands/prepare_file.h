@@ -89,10 +89,17 @@ struct Outcome {
     bool met() const { return (!certificate || certificate->met()) && (!times || times->met); }
 };
 
-// Reads, prepares and writes one file, a job of those of `sources`; `prefix` begins what is shown
-// of its progress. Whatever goes wrong is the outcome's error.
+// What the files of one command line share.
+struct BatchSurroundings {
+    OutputDirectories& directories;
+    SiblingLinks& links;
+    BatchSources& sources;
+    Console& console;
+};
+
+// Reads, prepares and writes one file, a job of those of the batch's sources; `prefix` begins what
+// is shown of its progress. Whatever goes wrong is the outcome's error.
 Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
-                     OutputDirectories& directories, SiblingLinks& links, BatchSources& sources,
-                     Console& console, const std::string& prefix);
+                     const BatchSurroundings& batch, const std::string& prefix);
 
 }  // namespace meshprep

@@ -228,33 +228,8 @@ void add_residual_options(OptionSet& options, const Option& subdivide, prep::Pre
         .needs(residual);
 }
 
-void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
-    options.group("Displacement");
-    prep::DisplaceOptions& d = p.displacement;
-    const Option subdivide = options.added("--subdivide");
-    const Option displace = options.value(
-        "--displace", "FILE|materials|noise",
-        [&p, &d, subdivide](const std::string& text) {
-            take_tessellation("--displace", subdivide, p);
-            if (text == "materials") {
-                d.from_materials = true;
-                return;
-            }
-            if (text == "noise") {
-                if (!d.noise) d.noise.emplace();
-                return;
-            }
-            std::error_code ec;
-            if (!std::filesystem::is_regular_file(text, ec))
-                usage_error("--displace",
-                            "'" + text + "' is neither a file nor 'materials' nor 'noise'");
-            d.map.emplace();
-            d.map->path = text;
-            d.map->name = d.map->path.filename().string();
-        },
-        "The surface (of polygons, or with --subdivide of the cage) is moved along its normals by "
-        "this height map, by each material's displacement map, or by noise, and cut into triangles "
-        "as fine as the options below ask");
+// How the texels of a map become heights.
+void add_height_options(OptionSet& options, prep::DisplaceOptions& d, const Option& displace) {
     const auto height = [&](const char* name, const char* type, double& to, const char* help) {
         options
             .value(
@@ -290,7 +265,10 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
                 "Which channel of the map holds heights (default 0, the first)")
         .needs(displace)
         .when_given([&d] { require_map("--height-channel", d); });
+}
 
+// What the texels of a map are: heights or vectors, and along what.
+void add_vector_options(OptionSet& options, prep::DisplaceOptions& d, const Option& displace) {
     options
         .word(
             "--displace-kind", words_of<prep::DisplacementKind>(),
@@ -322,6 +300,37 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
             "green is up, as Blender has it) or tangent-bitangent-normal (blue is up, as in normal "
             "maps)")
         .needs(displace);
+}
+
+void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
+    options.group("Displacement");
+    prep::DisplaceOptions& d = p.displacement;
+    const Option subdivide = options.added("--subdivide");
+    const Option displace = options.value(
+        "--displace", "FILE|materials|noise",
+        [&p, &d, subdivide](const std::string& text) {
+            take_tessellation("--displace", subdivide, p);
+            if (text == "materials") {
+                d.from_materials = true;
+                return;
+            }
+            if (text == "noise") {
+                if (!d.noise) d.noise.emplace();
+                return;
+            }
+            std::error_code ec;
+            if (!std::filesystem::is_regular_file(text, ec))
+                usage_error("--displace",
+                            "'" + text + "' is neither a file nor 'materials' nor 'noise'");
+            d.map.emplace();
+            d.map->path = text;
+            d.map->name = d.map->path.filename().string();
+        },
+        "The surface (of polygons, or with --subdivide of the cage) is moved along its normals by "
+        "this height map, by each material's displacement map, or by noise, and cut into triangles "
+        "as fine as the options below ask");
+    add_height_options(options, d, displace);
+    add_vector_options(options, d, displace);
     add_noise_options(options, d, displace);
     options
         .value(
@@ -334,7 +343,10 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
             "fine ones happen to be at their corners. Errors are measured against what is left; "
             "--residual-normal-map has all of it")
         .needs(displace);
+}
 
+void add_tessellation_options(OptionSet& options, prep::PrepareOptions& p) {
+    const Option subdivide = options.added("--subdivide");
     options.group("Tessellation");
     prep::TessellateOptions& t = p.tessellation;
     const auto length = [&](const char* name, std::optional<double>& to, const char* help) {
@@ -367,6 +379,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
 void add_surface_options(OptionSet& options, prep::PrepareOptions& p) {
     add_subdivision_options(options, p);
     add_displacement_options(options, p);
+    add_tessellation_options(options, p);
 }
 
 Option add_pixel_error_option(OptionSet& options, prep::PrepareOptions& p) {
