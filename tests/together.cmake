@@ -53,7 +53,7 @@ set(tests_together
     "tools gate inspect_cage pixel_error plan_page quantize_budget render render_costs
      render_defaults render_exposure render_usage samples"
     "tools inspect prepare_budget prepare_for prepare_for_document prepare_report prepare_words
-     render_options report_cages"
+     render_options render_report report_cages"
     "tools render_outputs report_drawing report_edges report_figures report_page residual_surface schema
      selftest shell_files source_rules streams"
     "tools render_values report_panels spared_files subdivide_options subdivided_files tangents validate

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/atomic_files.h"
 #include "base/shared_bytes.h"
 #include "mesh_files.h"
 
@@ -106,6 +107,21 @@ TEST(SharedBytes, LentOnesAreTheOwners) {
     EXPECT_EQ(lent.part(5, 0).size(), 0U);
     const SharedBytes kept = std::move(own);
     EXPECT_EQ(kept.size(), 5U);
+}
+
+// Also of a file that is not there: what is compared is where outputs will be.
+TEST(FileIdentity, IsOneForAllNamesOfAFile) {
+    const fs::path here = fs::canonical(fs::current_path());
+    const fs::path file = here / "no such file.exr";
+    for (const fs::path name : {"no such file.exr", "./no such file.exr", "sub/../no such file.exr",
+                                ".//no such file.exr"})
+        EXPECT_EQ(prep::detail::identity_of(name), file) << name;
+    EXPECT_EQ(prep::detail::identity_of(file), file);
+    const test::TempDir dir;
+    fs::create_directory(dir / "at");
+    fs::create_directory_symlink("at", dir / "by");
+    EXPECT_EQ(prep::detail::identity_of(dir / "by" / "x.glb"), fs::canonical(dir / "at") / "x.glb");
+    EXPECT_NE(prep::detail::identity_of("a.glb"), prep::detail::identity_of("b.glb"));
 }
 
 }  // namespace

@@ -245,6 +245,16 @@ TEST(PrepareReports, SplitsAreCountedByTheirReason) {
     expect(mesh, &prep::SplitCounts::smoothing_group, 16);
 }
 
+// The file's normals are there on one face of a cube; at its corners they part, elsewhere the edges.
+TEST(PrepareReports, SplitsAreTheFilesWhereItsNormalsAre) {
+    Mesh mesh = shapes::cube();
+    mesh.normals = {{{0.6f, 0, 0.8f}}, Indices(24, prep::no_index)};
+    for (std::size_t c = 0; c < 4; ++c) mesh.normals.indices[c] = 0;
+    const PreparedScene scene = prepared({mesh}, {});
+    EXPECT_EQ(scene.splits.authored_normal, 8u);
+    EXPECT_EQ(scene.splits.hard_edge, 8u);
+}
+
 // Three quads around a vertex, open at the fourth: the first two part for their groups, the second
 // and the third for their angle. A copy is told to be for the edges at either corner, whichever of
 // their two sides they are on.

@@ -200,7 +200,17 @@ TEST_F(GateCommand, ThePageNeedsNothingElseAndIsTheSameAgain) {
     const test::Ran over =
         run_here({"diff", at("a.ply"), at("b.ply"), "--report", at("a.ply"), "--json"});
     EXPECT_EQ(over.exit_code, 1);
-    EXPECT_EQ(over.json()["error"]["text"], "is an input as well; give the page another name");
+    EXPECT_EQ(over.json()["error"]["text"], "the output is also an input; give another name");
+}
+
+// So far out that all of it is at one place: a dot of that size, and not an error.
+TEST_F(GateCommand, ViewsOfWhatIsFarOut) {
+    test::write_text(dir_ / "far.json",
+                     R"({"meshprep":1,"meshes":{"box":{"shape":{"kind":"box"}}},)"
+                     R"("nodes":[{"mesh":"box","translate":[1e30,0,0]}]})");
+    const test::Ran ran =
+        run_here({"diff", at("far.json"), at("far.json"), "--views", "2", "--json"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
 }
 
 TEST_F(GateCommand, APageDoesNotReplaceALibrary) {
@@ -210,7 +220,7 @@ TEST_F(GateCommand, APageDoesNotReplaceALibrary) {
     const test::Ran over =
         run_here({"diff", at("m.obj"), at("m.obj"), "--report", at("m.mtl"), "--json"});
     EXPECT_EQ(over.exit_code, 1);
-    EXPECT_EQ(over.json()["error"]["text"], "is an input as well; give the page another name");
+    EXPECT_EQ(over.json()["error"]["text"], "the output is also an input; give another name");
     EXPECT_EQ(test::file_text(dir_ / "m.mtl"), "newmtl red\nKd 1 0 0\n");
 }
 

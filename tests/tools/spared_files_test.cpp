@@ -228,10 +228,19 @@ TEST(SparedFiles, AHeatMapIsNoneOfThePictures) {
     for (const std::string& map : {a, b}) {
         const test::Ran ran = run_here({"diff", a, b, "--heat-map", map});
         EXPECT_EQ(ran.exit_code, 1);
-        EXPECT_NE(ran.err.find(map + ": the heat map would be written over one of the pictures"),
-                  std::string::npos)
+        EXPECT_NE(ran.err.find(map + ": the output is also an input"), std::string::npos)
             << ran.err;
     }
+    const std::string map = (dir / "map.png").string();
+    const test::Ran one = run_here({"diff", a, b, "--heat-map", map, "--report", map});
+    EXPECT_EQ(one.exit_code, 1);
+    EXPECT_NE(one.err.find(map + ": two outputs would be written here"), std::string::npos)
+        << one.err;
+    const test::Ran stream = run_here({"diff", a, b, "--report", "-"});
+    EXPECT_EQ(stream.exit_code, 1);
+    EXPECT_NE(stream.err.find("-: only --json writes to standard output"), std::string::npos)
+        << stream.err;
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"a.png", "b.png"}));
     EXPECT_EQ(file_text(a), first);
     EXPECT_EQ(file_text(b), second);
 }

@@ -262,7 +262,12 @@ class Judge {
         Measured &outlines = of(&Limits::silhouettes), &flips = of(&Limits::flip);
         ViewFrame frame;
         frame.centre = a_.low * 0.5 + a_.high * 0.5;
-        frame.radius = a_.diagonal() > 0 ? a_.diagonal() / 2 : 1;
+        // So far from the origin that its coordinates are the same numbers it is a dot.
+        constexpr double least_share = 0x1p-40;
+        const glm::dvec3 farthest = glm::abs(frame.centre);
+        frame.radius = std::max(a_.diagonal() / 2,
+                                least_share * std::max({farthest.x, farthest.y, farthest.z}));
+        if (!(frame.radius > 0)) frame.radius = 1;
         // Where the surfaces are this near to each other, so are their projections.
         const double proved = bound_ / frame.pixel(options_.size);
         const bool proof = of(&Limits::distance).limit && matching_.left_a.empty() &&

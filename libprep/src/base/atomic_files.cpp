@@ -147,6 +147,15 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::filesystem::path identity_of(const std::filesystem::path& path) {
+    std::error_code failed;
+    std::filesystem::path whole = std::filesystem::absolute(path, failed);
+    if (failed) whole = path;
+    // Of a relative path of which nothing is there, it would be one as well.
+    std::filesystem::path canonical = std::filesystem::weakly_canonical(whole, failed);
+    return failed ? whole.lexically_normal() : canonical;
+}
+
 // Where a path leads.
 struct FileSet::Target {
     File file;
@@ -156,9 +165,7 @@ struct FileSet::Target {
 Result<FileSet::Target> FileSet::target_of(const std::filesystem::path& path) const {
     Target target;
     target.file.path = behind_links(path);
-    std::error_code unknown;
-    target.file.name = std::filesystem::weakly_canonical(target.file.path, unknown).string();
-    if (unknown) target.file.name = target.file.path.string();
+    target.file.name = identity_of(target.file.path).string();
     if (names_.contains(target.file.name))
         return Error{ErrorCode::invalid,
                      "two outputs would have this name; give one of them another", path.string()};

@@ -14,6 +14,10 @@
 
 namespace prep::detail {
 
+// The same path for the same file, whatever way it is named; it need not be there. Where there is
+// no telling, as without a working directory: what the path says.
+std::filesystem::path identity_of(const std::filesystem::path& path);
+
 struct FileSetRules {
     bool replace = true;                            // files that exist may be replaced
     std::vector<std::filesystem::path> spare = {};  // but not these

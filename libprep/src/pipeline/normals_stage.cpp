@@ -104,7 +104,6 @@ Result<void> MeshPreparation::prepare_normals() {
         mesh_.normals = merge_normals(mesh_.normals, review, replace, computed->normals);
         for (const std::uint8_t faults : review.faults)
             normal_replaced_.push_back((faults & replace) != 0);
-        geometry_.hard.reset();  // most normals are the file's: it says where they differ
     }
     return {};
 }

@@ -64,7 +64,8 @@ Result<void> MeshPreparation::split_mesh() {
         // Parts that are written back have vertices of their own; everywhere else they are names.
         return split_vertices(mesh_, geometry_.hard ? &*geometry_.hard : nullptr,
                               geometry_.around ? &*geometry_.around : nullptr,
-                              {.parts_apart = mesh_.tied_to_file, .threads = options_.threads});
+                              {.parts_apart = mesh_.tied_to_file, .threads = options_.threads},
+                              normal_replaced_.empty() ? nullptr : &normal_replaced_);
     });
     if (!split_mesh) return std::move(split_mesh).error();
     out_.meshes[index_] = *std::move(split_mesh);

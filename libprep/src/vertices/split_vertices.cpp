@@ -91,8 +91,9 @@ class Layer {
 // All that decides whether two corners at one source vertex can share a vertex.
 class Attributes {
   public:
-    Attributes(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options)
-        : mesh_(mesh), hard_(hard), threads_(options.threads) {
+    Attributes(const Mesh& mesh, const HardEdges* hard, const std::vector<bool>* computed,
+               const SplitOptions& options)
+        : mesh_(mesh), hard_(hard), computed_(computed), threads_(options.threads) {
         const int threads = threads_;
         if (!mesh.normals.empty())
             normals_.emplace_back(mesh.normals, missing_normal, mesh, threads);
@@ -216,7 +217,7 @@ class Attributes {
         const auto add = [&](SplitReason r) { bits |= unsigned(r); };
         for (const auto& l : normals_) {
             if (l.same(first, c)) continue;
-            if (!hard_) {
+            if (!hard_ || (computed_ && !((*computed_)[first] && (*computed_)[c]))) {
                 add(SplitReason::authored_normal);
                 continue;
             }
@@ -258,6 +259,7 @@ class Attributes {
 
     const Mesh& mesh_;
     const HardEdges* hard_;
+    const std::vector<bool>* computed_;
     const Index* file_vertices_ = nullptr;
     bool parts_apart_ = false, materials_apart_ = false, triangles_ = false;
     std::vector<Layer<glm::vec3>> normals_;
@@ -528,7 +530,8 @@ class VertexMaker {
 namespace detail {
 
 Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
-                                  const VertexCorners* around, const SplitOptions& options) {
+                                  const VertexCorners* around, const SplitOptions& options,
+                                  const std::vector<bool>* computed) {
     const std::size_t sources = mesh.vertex_count();
     if (mesh.corner_count() + sources >= no_index)
         return Error{ErrorCode::limit,
@@ -536,7 +539,7 @@ Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
                      mesh.name};
     std::optional<SourceCorners> corners(std::in_place, mesh.corner_vertices, sources, around,
                                          options.threads);
-    Attributes attributes(mesh, hard, options);
+    Attributes attributes(mesh, hard, computed, options);
     attributes.compare(*corners);
     const std::span<const std::uint8_t> differ = attributes.differ();
     corners->make_lists(differ);

@@ -6,8 +6,10 @@
 
 namespace prep::detail {
 
-// `around`: corners by the mesh's vertices, or null: found here.
+// `around`: corners by the mesh's vertices, or null: found here. `computed`: the corners whose
+// normals follow `hard`, where others keep the file's; null: all.
 Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
-                                  const VertexCorners* around, const SplitOptions& options);
+                                  const VertexCorners* around, const SplitOptions& options,
+                                  const std::vector<bool>* computed = nullptr);
 
 }  // namespace prep::detail

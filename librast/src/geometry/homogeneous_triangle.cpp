@@ -118,12 +118,13 @@ CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* 
                                 const std::uint32_t corners[3], CrossingTriangle& out) {
     std::array<std::uint32_t, 3> order{corners[0], corners[1], corners[2]};
     std::array<ScreenVertex, 3> v;
-    bool in_front = false;
+    bool beyond_near = false, before_far = false;
     for (std::size_t i = 0; i < 3; ++i) {
         v[i] = source.homogeneous(order[i]);
-        in_front = in_front || v[i].w - v[i].z >= 0;
+        beyond_near = beyond_near || v[i].z <= v[i].w;
+        before_far = before_far || v[i].z >= 0;
     }
-    if (!in_front) return CrossingOutcome::outside;
+    if (!beyond_near || !before_far) return CrossingOutcome::outside;
     const double det = determinant(v[0], v[1], v[2]);
     if (!(det != 0)) return CrossingOutcome::degenerate;
     out.turned = det < 0;

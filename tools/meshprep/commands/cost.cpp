@@ -188,27 +188,6 @@ std::vector<std::filesystem::path> plot_files(const std::filesystem::path& direc
     return files;
 }
 
-// No output may be an input, nor two outputs one file.
-Result<void> keep_apart(const std::vector<std::filesystem::path>& inputs,
-                        const std::vector<std::filesystem::path>& outputs) {
-    std::set<std::filesystem::path> read, written;
-    for (const std::filesystem::path& path : inputs)
-        if (!is_standard_stream(path)) read.insert(identity(path));
-    for (const std::filesystem::path& path : outputs) {
-        if (is_standard_stream(path))
-            return Error{ErrorCode::invalid,
-                         "only --json writes to standard output; give the name of a file", "-"};
-        if (read.count(identity(path)) != 0)
-            return Error{ErrorCode::invalid, "the output is also an input; give another name",
-                         path.string()};
-        if (!written.insert(identity(path)).second)
-            return Error{ErrorCode::invalid,
-                         "two outputs would be written here; give one of them another name",
-                         path.string()};
-    }
-    return {};
-}
-
 // Beside the plots.
 std::vector<std::filesystem::path> named_outputs(const CostCommand& command) {
     std::vector<std::filesystem::path> files;

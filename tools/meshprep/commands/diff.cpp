@@ -234,13 +234,6 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (command.tangents || command.normals)
         return Error{ErrorCode::invalid, "pictures have no normals or tangents to compare",
                      command.a.string()};
-    std::error_code ec;
-    for (const std::filesystem::path& picture : {command.a, command.b})
-        if (std::filesystem::equivalent(picture, command.heat_map, ec))
-            return Error{ErrorCode::invalid,
-                         "the heat map would be written over one of the pictures; give it another "
-                         "name",
-                         command.heat_map.string()};
     if (command.views >= 0)
         return Error{ErrorCode::invalid, "--views draws meshes, and these are pictures",
                      command.a.string()};
@@ -295,7 +288,7 @@ Result<prep::Scene> load_mesh(const std::filesystem::path& path, const DiffComma
     if (!command.page.empty())
         for (const std::filesystem::path& file : read_beside(*scene))
             if (file == identity(command.page))
-                return Error{ErrorCode::invalid, "is an input as well; give the page another name",
+                return Error{ErrorCode::invalid, "the output is also an input; give another name",
                              command.page.string()};
     return scene;
 }
@@ -403,10 +396,11 @@ int run(const DiffCommand& command, Console& console) {
             return Error{ErrorCode::invalid,
                          "one is a picture, the other a mesh; give two of a kind",
                          command.b.string()};
-        for (const std::filesystem::path& path : {command.a, command.b, command.gate})
-            if (!command.page.empty() && !path.empty() && identity(path) == identity(command.page))
-                return Error{ErrorCode::invalid, "is an input as well; give the page another name",
-                             command.page.string()};
+        std::vector<std::filesystem::path> inputs{command.a, command.b}, outputs;
+        if (!command.gate.empty()) inputs.push_back(command.gate);
+        for (const std::filesystem::path& file : {command.heat_map, command.page})
+            if (!file.empty()) outputs.push_back(file);
+        if (const Result<void> apart = keep_apart(inputs, outputs); !apart) return apart.error();
         return prep::is_image_name(command.a) ? diff_pictures(command, console)
                                               : diff_meshes(command, console);
     };

@@ -153,13 +153,9 @@ class Identities {
         if (!path.has_parent_path() || name.empty() || name == "." || name == "..")
             return identity(path);
         const auto [known, fresh] = directories_.try_emplace(path.parent_path());
-        std::error_code ec;
-        if (fresh) {
-            known->second = fs::weakly_canonical(known->first, ec);
-            if (ec) known->second.clear();
-        }
-        if (known->second.empty()) return identity(path);
+        if (fresh) known->second = identity(known->first);
         const fs::path file = known->second / name;
+        std::error_code ec;
         const fs::file_type type = fs::symlink_status(file, ec).type();
         // What is no link stands where its directory is; the rest is looked at as a whole.
         const bool plain = type == fs::file_type::regular || type == fs::file_type::not_found;
@@ -318,13 +314,23 @@ Result<void> require_file(const fs::path& path) {
     return {};
 }
 
-fs::path identity(const fs::path& path) {
-    std::error_code ec;
-    const fs::path canonical = fs::weakly_canonical(path, ec);
-    if (!ec) return canonical;
-    // Without a working directory, which somebody may have removed, a path is what it says.
-    const fs::path full = fs::absolute(path, ec);
-    return (ec ? path : full).lexically_normal();
+Result<void> keep_apart(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
+    std::set<fs::path> read, written;
+    for (const fs::path& path : inputs)
+        if (!is_standard_stream(path)) read.insert(identity(path));
+    for (const fs::path& path : outputs) {
+        if (is_standard_stream(path))
+            return Error{ErrorCode::invalid,
+                         "only --json writes to standard output; give the name of a file", "-"};
+        if (read.count(identity(path)) != 0)
+            return Error{ErrorCode::invalid, "the output is also an input; give another name",
+                         path.string()};
+        if (!written.insert(identity(path)).second)
+            return Error{ErrorCode::invalid,
+                         "two outputs would be written here; give one of them another name",
+                         path.string()};
+    }
+    return {};
 }
 
 std::vector<fs::path> read_beside(const prep::Scene& scene) {

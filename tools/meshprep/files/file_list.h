@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/atomic_files.h"
 #include "prep/result.h"
 #include "prep/scene.h"
 
@@ -50,7 +51,13 @@ prep::Result<JobList> plan_jobs(const JobRequest& request);
 prep::Result<void> require_file(const std::filesystem::path& path);
 
 // The same path for the same file, whatever way it is named; it need not be there.
-std::filesystem::path identity(const std::filesystem::path& path);
+inline std::filesystem::path identity(const std::filesystem::path& path) {
+    return prep::detail::identity_of(path);
+}
+
+// No output may be an input, nor two outputs one file, nor one of them standard output.
+prep::Result<void> keep_apart(const std::vector<std::filesystem::path>& inputs,
+                              const std::vector<std::filesystem::path>& outputs);
 // Of the files that a scene was read from beside its own: libraries and pictures. To be asked while
 // its input is open: what is packed or piped reaches them by links that go with it.
 std::vector<std::filesystem::path> read_beside(const prep::Scene& scene);

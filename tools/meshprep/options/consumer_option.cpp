@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "base/atomic_files.h"
 #include "meshprep/options/values.h"
 #include "rast/view.h"
 
@@ -52,14 +53,6 @@ void parse(const std::string& text, ConsumerWish& to) {
     }
 }
 
-// Of a file that need not be there yet.
-std::filesystem::path identity(const std::filesystem::path& file) {
-    std::error_code ec;
-    const std::filesystem::path whole = std::filesystem::absolute(file, ec);
-    const std::filesystem::path path = std::filesystem::weakly_canonical(whole, ec);
-    return ec ? whole : path;
-}
-
 }  // namespace
 
 Option add_consumer_option(OptionSet& options, ConsumerWish& to) {
@@ -79,7 +72,8 @@ prep::Result<ConsumerWish> read_scene_file(const ConsumerWish& wish) {
     if (scene->picture.has("shading")) read.consumer.shading = scene->picture.choices.shading;
     read.lights = has_directed_light(scene->scene);
     read.mesh_files = std::move(scene->mesh_files);
-    for (prep::JsonMeshFile& of_file : read.mesh_files) of_file.file = identity(of_file.file);
+    for (prep::JsonMeshFile& of_file : read.mesh_files)
+        of_file.file = prep::detail::identity_of(of_file.file);
     read.materials = std::move(scene->scene.materials);
     return read;
 }
@@ -131,7 +125,8 @@ prep::Consumer consumer_for(const ConsumerWish& wish, const prep::Scene& scene,
     prep::Consumer consumer = wish.consumer;
     if (!consumer.exact) return consumer;
     consumer.lights = wish.lights.value_or(has_directed_light(scene));
-    const std::filesystem::path files[] = {identity(input), identity(output)};
+    const std::filesystem::path files[] = {prep::detail::identity_of(input),
+                                           prep::detail::identity_of(output)};
     std::set<Replacement> replacements;
     for (const prep::JsonMeshFile& of_file : wish.mesh_files)
         if (std::count(std::begin(files), std::end(files), of_file.file) > 0)
