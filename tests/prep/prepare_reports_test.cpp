@@ -245,7 +245,7 @@ TEST(PrepareReports, SplitsAreCountedByTheirReason) {
     expect(mesh, &prep::SplitCounts::smoothing_group, 16);
 }
 
-// The file's normals are there on one face of a cube; at its corners they part, elsewhere the edges.
+// The file's normals are there on one face of a cube: at its corners they part, elsewhere edges do.
 TEST(PrepareReports, SplitsAreTheFilesWhereItsNormalsAre) {
     Mesh mesh = shapes::cube();
     mesh.normals = {{{0.6f, 0, 0.8f}}, Indices(24, prep::no_index)};

@@ -44,7 +44,7 @@ class ResidualPicture {
   private:
     struct Band;
     struct Triangle;
-    // The samples of this band that are the triangle's and no other's before; whether there are any.
+    // The samples of this band that are the triangle's and were no other's; whether there are any.
     bool claim(const Triangle& triangle, Band& band);
     // The surface's normals there, into the sums.
     void bake(const BakedMesh& baked, const Triangle& triangle, Band& band);
