@@ -310,8 +310,8 @@ void MeshPreparation::report_certificate(const TessellationCertificate& c,
                                      : std::vector<std::uint32_t>{c.worst_triangle},
         fmt::format("sides that share a point have other heights or directions, up to {:.3g} "
                     "from what they share: {} proved instead of {}, however many "
-                    "triangles there are; a map that agrees across seams has no other heights "
-                    "there, and no crease that is not infinitely sharp has other directions",
+                    "triangles there are; heights agree where the map does so across seams, "
+                    "directions where creases are not infinitely sharp",
                     c.largest_shared_gap, proved, asked_of(options)),
         PlaceKind::face);
 }
