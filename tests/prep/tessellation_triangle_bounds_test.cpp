@@ -209,6 +209,78 @@ TEST(TessellationTriangleBounds, HoldForAnEdgeLength) {
     check_goal(Goal::edge, any);
 }
 
+// A map as rough in the fourth of a triangle as in all of it, far from what moves nothing, under
+// noise: each is bounded on its own.
+TEST(TessellationTriangleBounds, HoldForRoughMapsUnderNoise) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> part(0, 1);
+    Totals totals;
+    for (int round = 0; round < 8; ++round)
+        for (const std::optional<SubdivisionScheme> scheme : {std::optional<SubdivisionScheme>(),
+                                                              {SubdivisionScheme::catmark},
+                                                              {SubdivisionScheme::loop}}) {
+            SCOPED_TRACE(round);
+            const Mesh cage = random_cage(round, scheme, random);
+            NoiseOptions noise{.frequency = 2, .octaves = 2, .seed = std::uint32_t(round)};
+            noise.scale = 0.1 * part(random);
+            const auto function = noise_function(noise);
+            ASSERT_TRUE(function);
+            TessellateOptions options;
+            options.scheme = scheme;
+            options.displacements = {
+                {.height = std::make_shared<Waves>(0.1 * part(random), 900, 700, round),
+                 .midlevel = 2 * part(random) - 1,
+                 .noise = *function}};
+            options.max_triangles = 1 + random() % 300;
+            if (round % 2 == 0) options.chord_error = std::exp2(-2 - 3 * part(random));
+            check_bounds(cage, options, totals);
+        }
+    std::sort(totals.ratios.begin(), totals.ratios.end());
+    const double median = totals.ratios[totals.ratios.size() / 2];
+    std::printf("%zu triangles; bound over sampled: median %.3f\n", totals.triangles, median);
+    EXPECT_LE(median, 4);  // Waves bounds itself no closer than twice
+}
+
+// Parts of a triangle have as much of a rough map each as all of it: searching them all again for
+// the noise over it took 15 ms a triangle.
+TEST(TessellationTriangleBounds, NoisePartsDoNotReadRoughMaps) {
+    class Counted final : public HeightFunction {
+      public:
+        explicit Counted(double k) : waves_(0.1, k, k) {}
+        Sample at(const glm::dvec2& uv) const override { return waves_.at(uv); }
+        double deviation(const std::array<glm::dvec2, 3>& uv, const std::array<double, 3>& values,
+                         double enough) const override {
+            ++count;
+            return waves_.deviation(uv, values, enough);
+        }
+        mutable std::size_t count = 0;
+
+      private:
+        Waves waves_;
+    };
+    NoiseOptions noise{.frequency = 2, .octaves = 2, .seed = 3};
+    noise.scale = 0.1;
+    const auto function = noise_function(noise);
+    ASSERT_TRUE(function);
+    const auto calls = [&](double k) {
+        const auto map = std::make_shared<Counted>(k);
+        std::mt19937 random(1);
+        Mesh cage = torus(5, 4);
+        add_charts(cage, random);
+        TessellateOptions options;
+        options.threads = 1;
+        options.max_triangles = 500;
+        options.displacements = {{.height = map, .noise = *function}};
+        const auto made = tessellate(cage, options);
+        EXPECT_TRUE(made) << to_string(made.error());
+        return double(map->count) / 500;
+    };
+    const double rough = calls(900), smooth = calls(3);
+    std::printf("reads a triangle: of a rough map %.1f, of a smooth one %.1f\n", rough, smooth);
+    EXPECT_LE(rough, 100);
+    EXPECT_GT(smooth, 4 * rough);  // whose parts are nearer to it
+}
+
 // No triangle's bound is looser than the largest error makes it.
 TEST(TessellationTriangleBounds, OfAnEdgeLengthTheLargestIsClose) {
     NoiseOptions noise{.frequency = 4, .octaves = 4, .seed = 4};

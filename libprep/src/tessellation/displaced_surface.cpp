@@ -5,23 +5,14 @@
 #include <limits>
 
 #include "base/outward.h"
+#include "tessellation/displaced_triangle.h"
 #include "tessellation/polygon_surface.h"
 
 namespace prep::detail {
 namespace {
 
-// What doubles may have lost on the way to a bound, and in the values it is a bound of: some dozen
-// operations on numbers of this size.
-constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
-
 // Of a bound that is to be as tight as may be, what the base's coarse share may be.
 constexpr double small_part = 0x1p-6;
-// A search by parts takes the time of dozens of bounds. Those of closed faces without noise are
-// searched where they are no more than so many times what is enough.
-constexpr double near_enough = 2;
-constexpr BaseDeviation unbounded{std::numeric_limits<double>::infinity(),
-                                  std::numeric_limits<double>::infinity()};
-
 template <class T>
 T middle_of_extremes(const T& least, const T& greatest) {
     return 0.5 * least + 0.5 * greatest;
@@ -46,11 +37,6 @@ glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
     return unit_or(sum, kept.back());
 }
 
-// What is no number is no bound.
-double bound_of(double x) {
-    return x == x ? x : std::numeric_limits<double>::infinity();
-}
-
 // What may be left beside a gap, and complies.
 Asked beside(double gap, Asked asked) {
     constexpr double part = 1 - 0x1p-20;  // more than rounding bounds to floats takes
@@ -60,6 +46,13 @@ Asked beside(double gap, Asked asked) {
 }
 
 }  // namespace
+
+DisplacedSurface::DisplacedSurface(const BaseSurface& base, const RootHeights& heights)
+    : base_(base), heights_(heights) {
+    if (!heights.has_noise_over_maps()) return;
+    noise_ = std::make_shared<const RootHeights>(heights.noise_alone());
+    noisy_ = std::make_shared<const DisplacedSurface>(base, *noise_);
+}
 
 glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
     glm::dvec3 truth;
@@ -159,37 +152,6 @@ void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<cons
     samples[vertex].shared = at.size() > 1;
     samples[vertex].position = glm::vec3(point.position + height * point.direction + vector);
 }
-
-struct DisplacedSurface::Corners {
-    std::uint32_t root = 0;
-    const Displacement* displacement = nullptr;
-    std::array<glm::dvec3, 3> weights;
-    std::array<BasePoint, 3> points;
-    std::array<double, 3> raw, heights;
-    std::array<glm::dvec3, 3> vectors;  // the map's own
-    std::array<glm::dvec3, 3> moved;    // where the root has the displaced surface
-    double gap = 0, size = 0;
-    double cross = 0, highest = 0;  // of the heights
-    // Of vectors in the surface's frame: the longest, 0 of others.
-    std::array<TangentFrame, 3> frames;
-    double longest = 0;
-
-    TriangleBound bound(double sum) const {
-        TriangleBound result;
-        result.refinable =
-            sum == 0 ? 0.0F : float_not_below(sum * (1 + relative_slack) + size * absolute_slack);
-        result.gap = float_not_below(gap * (1 + relative_slack) + size * absolute_slack);
-        return result;
-    }
-};
-
-struct DisplacedSurface::Whole {
-    const Corners* corners = nullptr;
-    std::array<glm::dvec3, 3> linear{};  // what V is compared with, at the corners
-    int depth = 0;
-    double bound = 0;  // of V from its own linear interpolation
-    BaseDeviation base = unbounded;
-};
 
 DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& triangle,
                                                     const std::array<glm::dvec3, 3>& weights,
@@ -362,104 +324,13 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
     Whole whole{&c, c.moved, triangle.depth()};
     whole.bound = refinable(c, left, whole.base);
     double sum = whole.bound;
-    if (sum > left.enough && c.displacement && c.displacement->noise)
-        sum = std::min(sum, bound_by_parts({&whole, 1}, left));
+    if (sum > left.enough && c.displacement && c.displacement->noise) {
+        const bool rough = c.displacement->height && !c.displacement->vector && is_rough(whole);
+        if (rough) sum = std::min(sum, bound_apart(whole, left));
+        if (!rough || (sum > left.enough && sum <= near_enough * left.enough))
+            sum = std::min(sum, bound_by_parts({&whole, 1}, left));
+    }
     return c.bound(sum);
-}
-
-double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const {
-    const bool noise = wholes[0].corners->displacement && wholes[0].corners->displacement->noise;
-    // Where nothing is enough triangles are to be put in an order, no more.
-    const double close = asked.enough > 0 ? 1.0625 : 1.125;
-    // Noise is bounded by the parts' size alone; bounds of what else there is are mostly close.
-    const std::size_t most_parts = noise ? 256 : 32;
-    struct Node {
-        glm::dvec3 weights, linear;
-        VertexSample sample;
-        double off = 0;
-    };
-    struct Part {
-        std::uint32_t root = 0;
-        int depth = 0;
-        std::array<std::uint32_t, 3> nodes{};
-        double upper = 0;
-        BaseDeviation of_parts;  // what bounds the base over each part of it
-        bool operator<(const Part& other) const { return upper < other.upper; }
-    };
-    thread_local std::vector<Node> nodes;
-    thread_local std::vector<Part> parts;
-    nodes.clear();
-    parts.clear();
-    nodes.reserve(3 * wholes.size() + most_parts);
-    parts.reserve(wholes.size() + most_parts);
-    double lower = 0, size = 0;
-    const auto goal = [&] {
-        // No less than what every bound has for roundings.
-        return std::max({asked.enough, close * lower, 16 * absolute_slack * size});
-    };
-    // Whatever is this far at most from what is linear over a triangle is at most twice as far from
-    // what is linear over any part of it.
-    const auto doubled = [](const BaseDeviation& base) {
-        return BaseDeviation{2 * base.position, 2 * base.direction};
-    };
-    for (const Whole& whole : wholes) {
-        const Corners& c = *whole.corners;
-        Part part{c.root, whole.depth, {}, 0, doubled(whole.base)};
-        for (std::size_t k = 0; k < 3; ++k) {
-            part.nodes[k] = std::uint32_t(nodes.size());
-            nodes.push_back({c.weights[k],
-                             whole.linear[k],
-                             {c.points[k], c.raw[k], c.heights[k], glm::vec3(0.0F), false},
-                             bound_of(glm::length(c.moved[k] - whole.linear[k]))});
-            part.upper = std::max(part.upper, nodes.back().off);
-        }
-        lower = std::max(lower, part.upper);
-        size = std::max(size, c.size);
-        part.upper += whole.bound;
-        parts.push_back(part);
-    }
-    std::make_heap(parts.begin(), parts.end());
-    const auto add = [&](const Part& of, const std::array<std::uint32_t, 3>& corner_nodes) {
-        Part part{of.root, of.depth + 1, corner_nodes, 0, of.of_parts};
-        std::array<glm::dvec3, 3> weights;
-        std::array<const VertexSample*, 3> samples;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Node& node = nodes[part.nodes[k]];
-            weights[k] = node.weights;
-            samples[k] = &node.sample;
-            part.upper = std::max(part.upper, node.off);
-        }
-        const double left = std::max(0.0, goal() - part.upper);
-        BaseDeviation base = of.of_parts;
-        part.upper += refinable(corners(part.root, weights, samples, 0), {left, left}, base);
-        part.of_parts.position = std::min(part.of_parts.position, 2 * base.position);
-        part.of_parts.direction = std::min(part.of_parts.direction, 2 * base.direction);
-        parts.push_back(part);
-        std::push_heap(parts.begin(), parts.end());
-    };
-    const auto is_decided = [&] { return parts.front().upper <= goal() || lower > asked.too_much; };
-    while (!is_decided() && parts.size() < most_parts && parts.front().depth < deepest_bisection) {
-        std::pop_heap(parts.begin(), parts.end());
-        const Part worst = parts.back();
-        parts.pop_back();
-        const Node &a = nodes[worst.nodes[0]], &b = nodes[worst.nodes[1]];
-        Node node;
-        node.weights = 0.5 * (a.weights + b.weights);
-        node.linear = 0.5 * (a.linear + b.linear);
-        const RootPoint at{worst.root, node.weights};
-        BasePoint& point = node.sample.point;
-        base_.evaluate({&at, 1}, {&point, 1});
-        node.sample.raw = heights_.raw(at);
-        node.sample.height = heights_.height(at, node.sample.raw, point.position);
-        node.off = bound_of(glm::length(point.position + node.sample.height * point.direction +
-                                        heights_.vector(at, point.direction) - node.linear));
-        lower = std::max(lower, node.off);
-        const auto middle = std::uint32_t(nodes.size());
-        nodes.push_back(node);
-        add(worst, {worst.nodes[2], worst.nodes[0], middle});
-        add(worst, {worst.nodes[1], worst.nodes[2], middle});
-    }
-    return parts.front().upper;
 }
 
 double DisplacedSurface::bound_as_one(const BisectedTriangle& closed, std::span<const Whole> roots,

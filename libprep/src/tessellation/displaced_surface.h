@@ -25,13 +25,16 @@
 // By parts: over a part of a triangle I V is linear, too, so with J for linear interpolation
 // between the part's corners, |V' − I V| ≤ |V' − J V'| + max over these corners of |V' − I V|, V'
 // being the displaced surface. Parts are halved worst first. Of the base, |S − J S| ≤ 2 sup |S − I
-// S|, as J S − I S = J (S − I S): most parts take that over.
+// S|, as J S − I S = J (S − I S): most parts take that over. Where a map is as far from what is
+// linear over a fourth of the triangle as over all of it, parts gain nothing of it: then V without
+// the map, S + f n, is bounded by parts, and h n − I (h n), of the map's heights h, as a whole.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -69,8 +72,7 @@ struct Asked {
 
 class DisplacedSurface {
   public:
-    DisplacedSurface(const BaseSurface& base, const RootHeights& heights)
-        : base_(base), heights_(heights) {}
+    DisplacedSurface(const BaseSurface& base, const RootHeights& heights);
     const BaseSurface& base() const { return base_; }
     const RootHeights& heights() const { return heights_; }
 
@@ -122,6 +124,9 @@ class DisplacedSurface {
     struct Whole;  // a triangle that is bounded by parts
     // Of one triangle, or of a closed face's roots.
     double bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const;
+    // Of noise by parts and of the map as a whole, which has no vectors.
+    double bound_apart(const Whole& whole, const Asked& asked) const;
+    bool is_rough(const Whole& whole) const;  // the map, over the triangle
     // `roots`: a closed face's. Infinite where UVs are not linear over them, or vectors turn.
     double bound_as_one(const BisectedTriangle& closed, std::span<const Whole> roots,
                         double enough) const;
@@ -130,6 +135,9 @@ class DisplacedSurface {
 
     const BaseSurface& base_;
     const RootHeights& heights_;
+    // The surface with the noise alone, where there are maps besides.
+    std::shared_ptr<const RootHeights> noise_;
+    std::shared_ptr<const DisplacedSurface> noisy_;
 };
 
 }  // namespace prep::detail

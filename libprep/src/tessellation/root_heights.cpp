@@ -1,5 +1,7 @@
 #include "tessellation/root_heights.h"
 
+#include <algorithm>
+
 #include "base/finite.h"
 
 namespace prep::detail {
@@ -59,6 +61,25 @@ Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
         heights.frames_.emplace(set, *std::move(frames));
     }
     return heights;
+}
+
+RootHeights RootHeights::noise_alone() const {
+    RootHeights alone;
+    alone.domain_ = domain_;
+    alone.which_ = which_;
+    alone.corners_ = corners_;
+    for (const Displacement& of : displacements_) {
+        Displacement noise;
+        noise.noise = of.noise;
+        alone.own_.push_back(std::move(noise));
+    }
+    alone.displacements_ = alone.own_;
+    return alone;
+}
+
+bool RootHeights::has_noise_over_maps() const {
+    return std::any_of(displacements_.begin(), displacements_.end(),
+                       [](const Displacement& of) { return of.noise && of.height && !of.vector; });
 }
 
 glm::dvec2 RootHeights::uv(const RootPoint& at) const {

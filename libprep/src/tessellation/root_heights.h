@@ -24,6 +24,10 @@ class RootHeights {
     static Result<RootHeights> make(const Mesh& mesh, const Domain& domain, const BaseSurface& base,
                                     const TessellateOptions& options);
 
+    // The noise of the same roots, without maps and vectors.
+    RootHeights noise_alone() const;
+    bool has_noise_over_maps() const;
+
     const Domain& domain() const { return *domain_; }
     const Displacement* of(std::uint32_t root) const {
         const std::uint32_t k = which_.empty() ? no_index : which_[root];
@@ -56,6 +60,7 @@ class RootHeights {
     const Domain* domain_ = nullptr;
     std::map<std::size_t, TangentFrames> frames_;  // by UV set
     std::span<const Displacement> displacements_;
+    std::vector<Displacement> own_;                   // what they are of, of noise_alone()
     std::vector<std::uint32_t> which_;                // per root
     std::vector<std::array<glm::dvec2, 3>> corners_;  // per root
 };
