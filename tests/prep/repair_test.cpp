@@ -243,6 +243,29 @@ TEST(Repair, CubesThatShareAnEdgeBecomeTwoSolids) {
     EXPECT_EQ(mesh.file_vertices.size(), mesh.vertex_count());
 }
 
+// What is done is not told again.
+TEST(Repair, ASecondRunFindsSheetsWithTheirVertices) {
+    Mesh mesh;
+    add_cube(mesh, glm::vec3(0), 1);
+    add_cube(mesh, {1, 1, 0}, 1);
+    mesh.positions.push_back({5, 5, 5});
+    mesh.positions.push_back({5, 5, 5});  // nobody's
+    RepairOptions options;
+    options.weld_tolerance = 0;
+    options.non_manifold_edges = true;
+    const auto first = prep::repair(mesh, options);
+    ASSERT_TRUE(first) << to_string(first.error());
+    EXPECT_EQ(first->at(0).changed, 2u);  // points of the edge
+    EXPECT_EQ(first->at(1).changed, 1u);
+    EXPECT_EQ(first->at(1).left, 0u);
+    options.weld_tolerance.reset();
+    const auto second = prep::repair(mesh, options);
+    ASSERT_TRUE(second) << to_string(second.error());
+    EXPECT_EQ(second->at(0).changed, 0u);
+    EXPECT_EQ(second->at(0).left, 0u);
+    EXPECT_TRUE(second->at(0).places.empty());
+}
+
 TEST(Repair, AThirdFaceOnAnEdgeGetsItsOwnVertices) {
     // A floor of two quads with a wall on the edge between them.
     Mesh mesh;

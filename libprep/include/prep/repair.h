@@ -37,9 +37,10 @@ struct RepairOptions {
     // tie those that disagree with the first. Authored normals and tangents that agreed with a
     // turned face turn with it. One-sided surfaces (Möbius strips) keep a seam: `left`.
     bool orientation = false;
-    // Holes of at most this many edges are filled with triangles, of all triangulations the one of
-    // smallest largest dihedral angle, then of smallest area (Liepa 2003). The fill has the
-    // attributes of the rim; its normals are computed. 0: none.
+    // Holes of at most this many edges are filled with triangles of small dihedral angles, then of
+    // small area, by Liepa's dynamic program (2003): each stretch of the loop keeps its best
+    // triangulation alone, so that another of the whole may be better by some degrees. The fill has
+    // the attributes of the rim; its normals are computed. 0: none.
     std::uint32_t hole_edges = 0;
     // Closed components of negative volume turn inside out, but for cavities (inside the box of an
     // outward one).

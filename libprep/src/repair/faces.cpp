@@ -148,7 +148,10 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     std::vector<Index> target(mesh.vertex_count());
     std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
     std::unordered_map<std::uint64_t, Index> firsts;  // of a point in a part that is not its first
-    Places moved;
+    std::vector<std::uint8_t> used(mesh.vertex_count(), 0);
+    for (const auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
+        for (const Index v : *users) used[v] = 1;
+    Places moved;  // of what somebody uses: of the rest nothing changes
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         target[v] = v;
         const glm::dvec3 p(mesh.positions[v]);
@@ -178,7 +181,7 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
             else
                 cells[home].push_back(v);
         }
-        if (target[v] != v) moved.add(v);
+        if (target[v] != v && used[v]) moved.add(v);
     }
     step.changed = moved.count;
     step.places = std::move(moved.first);

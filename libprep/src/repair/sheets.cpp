@@ -235,11 +235,7 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
     step.text = "edges of three or more faces were split into sheets";
     Topology topology = repair_topology(mesh, threads);
     auto runs = crowded_edges(mesh, topology);
-    step.changed = runs.size();
     if (runs.empty()) return step;
-    for (const auto& run : runs)
-        if (step.places.size() < Finding::max_places) step.places.push_back(run[0].corner);
-    std::sort(step.places.begin(), step.places.end());
     const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
     Index fans = 0;
     const std::vector<Index> fans_before = number_fans(mesh, topology, fans);
@@ -273,10 +269,31 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
         if (fan == no_index) fan = fan_of[c];
         joined.unite(fan, fan_of[c]);
     }
+    const std::vector<Index> before = mesh.corner_vertices;
     give_each_sheet_its_vertices(mesh, topology, fan_of, joined);
     const Topology after = build_topology(MeshView(mesh), {}, threads);
-    step.left = std::min<std::uint64_t>(crowded_edges(mesh, after).size(), step.changed);
-    step.changed -= step.left;
+    step.left = std::min<std::uint64_t>(crowded_edges(mesh, after).size(), runs.size());
+    // In files of loose faces, and after such a repair, sheets have their vertices already.
+    const auto was_split = [&](const std::vector<CrowdedHalfEdge>& run) {
+        std::vector<std::pair<Index, Index>> vertices;  // before and now, at both ends
+        for (const CrowdedHalfEdge& h : run)
+            for (const Index c : {h.corner, next_corner(mesh.face_offsets,
+                                                        topology.corner_faces[h.corner], h.corner)})
+                vertices.emplace_back(before[c], mesh.corner_vertices[c]);
+        std::sort(vertices.begin(), vertices.end());
+        return std::adjacent_find(vertices.begin(), vertices.end(),
+                                  [](const auto& a, const auto& b) {
+                                      return a.first == b.first && a.second != b.second;
+                                  }) != vertices.end();
+    };
+    for (const auto& run : runs) {
+        const bool changed = was_split(run);
+        step.changed += changed;
+        if ((changed || step.left > 0) && step.places.size() < Finding::max_places)
+            step.places.push_back(std::min_element(run.begin(), run.end())->corner);
+    }
+    std::sort(step.places.begin(), step.places.end());
+    step.changed -= std::min(step.changed, step.left);
     if (step.left > 0)
         step.text += "; left: those whose faces hang together around both ends all the same";
     return step;
