@@ -385,6 +385,29 @@ TEST(AssimpMotion, TheAxesThatFbxStatesAreThoseOfGltf) {
     }
 }
 
+// A unit that is none says nothing of the axes.
+TEST(AssimpMotion, FbxAxesTurnWithoutAUnit) {
+    const test::TempDir dir;
+    test::FbxRig rig;
+    rig.animated = false;
+    const auto places = [&](int up, double unit) {
+        rig.up = up;
+        rig.unit = unit;
+        test::write_text(dir / "rig.fbx", test::fbx_rig(rig));
+        const Converted converted(dir / "rig.fbx");
+        const auto& warnings = converted.loaded.warnings;
+        const auto is_of_unit = [](const std::string& text) {
+            return text.find("UnitScaleFactor is no number over 0") != std::string::npos;
+        };
+        EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(), is_of_unit), unit < 0);
+        return test::GltfMotion(*converted.file).vertices(-1, 0);
+    };
+    const auto y = places(1, 100), z = places(2, -1);
+    ASSERT_EQ(y.size(), z.size());
+    for (std::size_t v = 0; v < y.size(); ++v)
+        expect_near(z[v].world, {y[v].world.x, y[v].world.z, -y[v].world.y}, 1e-12);
+}
+
 TEST(AssimpMotion, OgreMeshesHaveTheirSkeletonsAndMaterials) {
     const test::TempDir dir;
     const test::OgreRig rig = test::ogre_rig("strip");

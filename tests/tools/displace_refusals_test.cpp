@@ -40,9 +40,9 @@ TEST_F(DisplaceRefusals, MistakesAreUsageErrors) {
     };
     for (const Row& row :
          {Row{{"--displace", "missing.png"}, "missing.png"},
-          Row{{"--height-scale", "1"}, "takes effect with --displace alone"},
-          Row{{"--height-channel", "1"}, "takes effect with --displace alone"},
-          Row{{"--displace-kind", "vector-object"}, "takes effect with --displace alone"},
+          Row{{"--height-scale", "1"}, "works only together with --displace"},
+          Row{{"--height-channel", "1"}, "works only together with --displace"},
+          Row{{"--displace-kind", "vector-object"}, "works only together with --displace"},
           Row{{"--displace", some, "--height-scale", "much"}, "much"},
           Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
           Row{{"--displace", some, "--displace-kind", "vector"}, "vector-object"},

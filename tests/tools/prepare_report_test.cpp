@@ -240,6 +240,8 @@ TEST(PrepareOptions, NumbersAreReadToTheirEndOrRefused) {
                                                {"--hard-angle", ""},
                                                {"--repair", "holes=2"},
                                                {"--repair", "holes=1001"},
+                                               {"--repair", "holes=3.5"},
+                                               {"--repair", "degenerate,"},
                                                {"--repair", "weld=-1"},
                                                {"--repair", "weld=1,2"},
                                                {"--repair", "degenerate=1"},

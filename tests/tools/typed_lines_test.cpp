@@ -140,7 +140,7 @@ const TypedLine typed_lines[] = {
     {"prepare cube.obj -o notes.txt/x.glb", 1,
      "meshprep: error: notes.txt: a file of this name is in the way of the output directory\n"},
     {"prepare cube.obj -o x.glb --skip-unchanged", 2,
-     "meshprep: error: --skip-unchanged: takes effect with --manifest alone; give both\n"
+     "meshprep: error: --skip-unchanged: works only together with --manifest; give both\n"
      "'meshprep help prepare' lists its options.\n"},
     {"prepare cube.obj -o -", 2,
      "meshprep: error: -: has no ending to say the format; give --format, one of glb, gltf, obj, "
@@ -186,7 +186,7 @@ const TypedLine typed_lines[] = {
      "mean 'phong'?\n"
      "'meshprep help render' lists its options.\n"},
     {"render cube.obj -o x.png --look-at 0,0,0", 2,
-     "meshprep: error: --look-at: takes effect with --look-from alone; give both\n"
+     "meshprep: error: --look-at: works only together with --look-from; give both\n"
      "'meshprep help render' lists its options.\n"},
     {"render cube.obj -o x.png --camera Main", 1,
      "meshprep: error: cube.obj: no camera 'Main' in the scene; it has none: give --camera "

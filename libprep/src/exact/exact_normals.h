@@ -28,8 +28,8 @@ struct ExactCosine {
 };
 
 // The cosine of an angle in degrees. Squares are exact for 0, 30, 45, 60, 90, 120, 135, 150, 180;
-// elsewhere the rounded cosine is taken as exact (`value` then is the cosine and its square is
-// formed exactly in ExactFaces::turn_exceeds).
+// elsewhere the rounded cosine is taken as exact (its square is formed exactly in
+// ExactFaces::turn_exceeds).
 struct Threshold {
     bool exact_square = false;
     ExactCosine cosine;

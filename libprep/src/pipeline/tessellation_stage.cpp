@@ -12,7 +12,7 @@
 namespace prep::detail {
 namespace {
 
-// "a chord error of 0.001, edges of at most 0.1, 20000 triangles at most"
+// "an error of at most 0.001, edges of at most 0.1, at most 20000 triangles"
 std::string goal_of(const TessellateOptions& options) {
     std::string text;
     const auto add = [&](const std::string& goal) { text += (text.empty() ? "" : ", ") + goal; };

@@ -194,7 +194,11 @@ class TangentComputation {
             store_,
             rings_,
             overrides_,
-            {options_.angular_threshold, positive_, robust_, robust_, options_.threads},
+            {.angular_threshold = options_.angular_threshold,
+             .positive = positive_,
+             .review = robust_,
+             .bounded_effort = robust_,
+             .threads = options_.threads},
             {streamed_ ? valences_.used : rings_.count, !streamed_, valences_.places},
             corner_values()};
         detail::GroupTangents groups =

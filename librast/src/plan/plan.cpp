@@ -338,7 +338,7 @@ class Planner {
         // Where no mesh has them, the file is not read: nobody would be told that it is broken.
         if (uvs_missing)
             plan_.warnings.push_back(
-                "some meshes have not the UV set that a map of their material needs: it is left "
+                "some meshes lack the UV set that a map of their material needs: the map is left "
                 "out there");
         const bool some = colour_used || data_used;
         const Code none = !plan_.request.textures ? Code::textures_off

@@ -23,8 +23,8 @@ struct Verdict {
 // `errors` by setting (smaller is better), `seconds` by setting and round. One is faster than
 // another where the 99 % interval of the ratio of their times (statistics.h) lies below 1: equal
 // times are ties, whatever their medians. Of several that dominate, the one with the least error,
-// then the first. An error that is not a number is dominated by every one that is, if that is no
-// slower.
+// then the first. An error that is not a number is dominated by every one that is and is faster,
+// and tied with one whose time cannot be told from its own.
 std::vector<Verdict> front(std::span<const double> errors,
                            std::span<const std::vector<double>> seconds);
 

@@ -242,7 +242,7 @@ void parse_quantization(const std::string& text, PrepareCommand& c) {
             return wrong(fmt::format("{} have {} to {} bits, not '{}'", row->name, row->least,
                                      row->most, word.substr(at + 1)));
         int& to = c.quantization.*row->bits;
-        if (to != 0) return wrong(std::string(row->name) + " stand there twice");
+        if (to != 0) return wrong(std::string(row->name) + " are given twice");
         to = int(bits[0]);
     }
     if (!c.quantization.any()) wrong("names nothing");
@@ -266,11 +266,11 @@ void check_budget(const PrepareCommand& c) {
         usage_error("--budget-ms", "and --precision both choose the precision; leave one out");
     if (c.prepare.tessellate)
         usage_error("--budget-ms",
-                    "chooses no error of triangles; --max-triangles bounds what they take");
+                    "chooses no error of triangles; limit their time with --max-triangles");
     if (c.prepare.subdivide && c.settings.at("--subdivide").back().find(':') != std::string::npos)
         usage_error("--budget-ms",
                     "chooses the level of --subdivide; give the scheme alone, as in catmark");
-    if (c.jobs != 1) usage_error("--budget-ms", "is of one file at a time; leave --jobs out");
+    if (c.jobs != 1) usage_error("--budget-ms", "works on one file at a time; leave --jobs out");
 }
 
 void define(OptionSet& options, PrepareCommand& c) {

@@ -57,7 +57,8 @@ void parse_repair(const std::string& text, prep::RepairOptions& repair) {
             usage_error("--repair", "'" + word +
                                         "': only weld=DISTANCE and holes=EDGES take a value, "
                                         "not negative");
-        if (valued && name == "holes" && !(value[0] >= 3 && value[0] <= 1000))
+        if (valued && name == "holes" &&
+            !(value[0] >= 3 && value[0] <= 1000 && value[0] == std::floor(value[0])))
             usage_error("--repair", "'" + word + "': holes of 3 to 1000 edges can be filled");
         const bool all = name == "all";
         if (name == "weld") repair.weld_tolerance = valued ? value[0] : 0;

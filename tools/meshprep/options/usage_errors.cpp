@@ -158,10 +158,10 @@ UsageError explain(const CLI::ParseError& error, const CommandTables& tables,
         return {row->longest_name(), "is given more than once; leave all but one out",
                 advice_for(table->name)};
     if (const std::string word = " requires "; row && text.find(word) != std::string::npos)
-        return {
-            head,
-            "takes effect with " + text.substr(text.find(word) + word.size()) + " alone; give both",
-            advice_for(table->name)};
+        return {head,
+                "works only together with " + text.substr(text.find(word) + word.size()) +
+                    "; give both",
+                advice_for(table->name)};
     if (const std::string word = " excludes "; row && text.find(word) != std::string::npos)
         return {head,
                 "cannot stand beside " + text.substr(text.find(word) + word.size()) +

@@ -36,6 +36,7 @@ std::vector<std::string> parse_list(const std::string& text) {
     std::istringstream in(text);
     std::string word;
     while (std::getline(in, word, ',')) words.push_back(word);
+    if (!text.empty() && text.back() == ',') words.emplace_back();  // a word as any other
     return words;
 }
 

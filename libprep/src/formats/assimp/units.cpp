@@ -23,8 +23,8 @@ double by_own_digits(float number) {
     return value;
 }
 
-// FBX says which of the file's axes point right, up and to the front: those are x, y and z here.
-// Assimp 5.2 tells and turns nothing. What is no rotation takes its third axis from the others.
+// FBX says which of the file's axes point right, up and to the front: the first two are x and y
+// here, and z is what makes a rotation of them. Assimp 5.2 tells and turns nothing.
 glm::dmat4 axes_of(const aiMetadata& said, int& up) {
     const auto axis = [&](const char* name, int otherwise, int& number) {
         int sign = 1;
@@ -78,13 +78,14 @@ void import_units(AssimpImport& import) {
     double precise = 0;
     if (said->Get("UnitScaleFactor", precise) || said->Get("UnitScaleFactor", number)) {
         const double centimetres = precise != 0 ? precise : by_own_digits(number);
-        if (!(centimetres > 0) || !std::isfinite(centimetres)) {
+        if (centimetres > 0 && std::isfinite(centimetres)) {
+            placement.file_unit = centimetres / 100;
+            placement.file_unit_source = "FBX UnitScaleFactor " + short_text(centimetres);
+        } else {
             scene.warnings.emplace_back(
                 "the file's UnitScaleFactor is no number over 0: its unit is taken for a metre");
-            return;
+            placement.file_unit_source = "FBX";
         }
-        placement.file_unit = centimetres / 100;
-        placement.file_unit_source = "FBX UnitScaleFactor " + short_text(centimetres);
         int up = 1;
         glm::dmat4 metres = axes_of(*said, up);
         for (int c = 0; c < 3; ++c) metres[c] *= placement.file_unit;
