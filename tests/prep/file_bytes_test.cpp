@@ -121,6 +121,9 @@ TEST(FileIdentity, IsOneForAllNamesOfAFile) {
     fs::create_directory(dir / "at");
     fs::create_directory_symlink("at", dir / "by");
     EXPECT_EQ(prep::detail::identity_of(dir / "by" / "x.glb"), fs::canonical(dir / "at") / "x.glb");
+    fs::create_symlink("nowhere.glb", dir / "link.glb");
+    EXPECT_EQ(prep::detail::identity_of(dir / "link.glb"),
+              fs::canonical(dir.path()) / "nowhere.glb");
     EXPECT_NE(prep::detail::identity_of("a.glb"), prep::detail::identity_of("b.glb"));
 }
 

@@ -389,6 +389,24 @@ TEST(RepairValues, AnEdgeWhoseFacesHangTogetherAroundBothEndsIsLeft) {
     EXPECT_EQ(mesh.vertex_count(), 5u);
 }
 
+// An edge that is left takes nothing from the count of those that were split.
+TEST(RepairValues, EdgesLeftAndSplitAreCountedApart) {
+    Mesh left = pages({{180, true}, {0, true}, {90, false}});
+    for (const std::uint32_t v : {0u, 2u, 3u, 2u, 1u, 3u}) left.corner_vertices.push_back(v);
+    left.face_offsets.insert(left.face_offsets.end(), {12, 15});
+    for (glm::vec3& p : left.positions) p.x += 20;
+    Mesh mesh = shapes::joined(pages({{0, true}, {90, true}, {180, true}}), left);
+    const RepairStep step = split_edges(mesh);
+    EXPECT_EQ(step.changed, 1u);
+    EXPECT_EQ(step.left, 1u);
+    EXPECT_EQ(step.places, (Indices{0, 9}));
+    Mesh again = mesh;
+    const RepairStep second = split_edges(again);
+    EXPECT_EQ(second.changed, 0u);
+    EXPECT_EQ(second.left, 1u);
+    EXPECT_EQ(second.places, Indices{9});
+}
+
 TEST(RepairValues, EdgesAndVerticesAreStepsOfTheirOwn) {
     // A book of three pages and a bow tie that does not touch it.
     Mesh tie = shapes::bow_tie();

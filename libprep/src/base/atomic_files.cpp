@@ -149,8 +149,9 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 
 std::filesystem::path identity_of(const std::filesystem::path& path) {
     std::error_code failed;
-    std::filesystem::path whole = std::filesystem::absolute(path, failed);
-    if (failed) whole = path;
+    const std::filesystem::path file = behind_links(path);
+    std::filesystem::path whole = std::filesystem::absolute(file, failed);
+    if (failed) whole = file;
     // Of a relative path of which nothing is there, it would be one as well.
     std::filesystem::path canonical = std::filesystem::weakly_canonical(whole, failed);
     return failed ? whole.lexically_normal() : canonical;

@@ -226,6 +226,23 @@ void join_over(const Mesh& mesh, const Topology& topology, const std::vector<Ind
     }
 }
 
+// Whether faces at the edge shared a vertex at one of its ends that they share no more: in files of
+// loose faces, and after such a repair, sheets have their vertices already.
+bool was_split(const Mesh& mesh, const Topology& topology, const std::vector<CrowdedHalfEdge>& run,
+               const std::vector<Index>& before) {
+    std::vector<std::pair<Index, Index>> vertices;  // before and now
+    for (const CrowdedHalfEdge& h : run) {
+        const Index to = next_corner(mesh.face_offsets, topology.corner_faces[h.corner], h.corner);
+        for (const Index c : {h.corner, to})
+            vertices.emplace_back(before[c], mesh.corner_vertices[c]);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    const auto split = std::adjacent_find(
+        vertices.begin(), vertices.end(),
+        [](const auto& a, const auto& b) { return a.first == b.first && a.second != b.second; });
+    return split != vertices.end();
+}
+
 }  // namespace
 
 RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
@@ -272,28 +289,17 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
     const std::vector<Index> before = mesh.corner_vertices;
     give_each_sheet_its_vertices(mesh, topology, fan_of, joined);
     const Topology after = build_topology(MeshView(mesh), {}, threads);
-    step.left = std::min<std::uint64_t>(crowded_edges(mesh, after).size(), runs.size());
-    // In files of loose faces, and after such a repair, sheets have their vertices already.
-    const auto was_split = [&](const std::vector<CrowdedHalfEdge>& run) {
-        std::vector<std::pair<Index, Index>> vertices;  // before and now, at both ends
-        for (const CrowdedHalfEdge& h : run)
-            for (const Index c : {h.corner, next_corner(mesh.face_offsets,
-                                                        topology.corner_faces[h.corner], h.corner)})
-                vertices.emplace_back(before[c], mesh.corner_vertices[c]);
-        std::sort(vertices.begin(), vertices.end());
-        return std::adjacent_find(vertices.begin(), vertices.end(),
-                                  [](const auto& a, const auto& b) {
-                                      return a.first == b.first && a.second != b.second;
-                                  }) != vertices.end();
-    };
     for (const auto& run : runs) {
-        const bool changed = was_split(run);
-        step.changed += changed;
-        if ((changed || step.left > 0) && step.places.size() < Finding::max_places)
+        const bool left = std::any_of(run.begin(), run.end(), [&](const CrowdedHalfEdge& h) {
+            return after.kinds[h.corner] == EdgeKind::non_manifold;
+        });
+        const bool split = !left && was_split(mesh, topology, run, before);
+        step.left += left;
+        step.changed += split;
+        if ((split || left) && step.places.size() < Finding::max_places)
             step.places.push_back(std::min_element(run.begin(), run.end())->corner);
     }
     std::sort(step.places.begin(), step.places.end());
-    step.changed -= std::min(step.changed, step.left);
     if (step.left > 0)
         step.text += "; left: those whose faces hang together around both ends all the same";
     return step;

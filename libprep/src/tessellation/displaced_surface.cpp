@@ -11,8 +11,6 @@
 namespace prep::detail {
 namespace {
 
-// Of a bound that is to be as tight as may be, what the base's coarse share may be.
-constexpr double small_part = 0x1p-6;
 template <class T>
 T middle_of_extremes(const T& least, const T& greatest) {
     return 0.5 * least + 0.5 * greatest;
@@ -50,8 +48,8 @@ Asked beside(double gap, Asked asked) {
 DisplacedSurface::DisplacedSurface(const BaseSurface& base, const RootHeights& heights)
     : base_(base), heights_(heights) {
     if (!heights.has_noise_over_maps()) return;
-    noise_ = std::make_shared<const RootHeights>(heights.noise_alone());
-    noisy_ = std::make_shared<const DisplacedSurface>(base, *noise_);
+    noise_heights_ = std::make_shared<const RootHeights>(heights.noise_alone());
+    noise_surface_ = std::make_shared<const DisplacedSurface>(base, *noise_heights_);
 }
 
 glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
@@ -325,9 +323,11 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
     whole.bound = refinable(c, left, whole.base);
     double sum = whole.bound;
     if (sum > left.enough && c.displacement && c.displacement->noise) {
-        const bool rough = c.displacement->height && !c.displacement->vector && is_rough(whole);
-        if (rough) sum = std::min(sum, bound_apart(whole, left));
-        if (!rough || (sum > left.enough && sum <= near_enough * left.enough))
+        std::optional<double> rough_map;
+        if (c.displacement->height && !c.displacement->vector)
+            rough_map = bound_of_rough_map(whole);
+        if (rough_map) sum = std::min(sum, bound_noise_apart(whole, *rough_map, left));
+        if (!rough_map || (sum > left.enough && sum <= near_enough * left.enough))
             sum = std::min(sum, bound_by_parts({&whole, 1}, left));
     }
     return c.bound(sum);

@@ -124,9 +124,11 @@ class DisplacedSurface {
     struct Whole;  // a triangle that is bounded by parts
     // Of one triangle, or of a closed face's roots.
     double bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const;
-    // Of noise by parts and of the map as a whole, which has no vectors.
-    double bound_apart(const Whole& whole, const Asked& asked) const;
-    bool is_rough(const Whole& whole) const;  // the map, over the triangle
+    // |h n − I (h n)| of the map's heights h, where the map is rough over the triangle and that is
+    // most of it; of maps without vectors.
+    std::optional<double> bound_of_rough_map(const Whole& whole) const;
+    // Of the noise by parts, beside `of_map`.
+    double bound_noise_apart(const Whole& whole, double of_map, const Asked& asked) const;
     // `roots`: a closed face's. Infinite where UVs are not linear over them, or vectors turn.
     double bound_as_one(const BisectedTriangle& closed, std::span<const Whole> roots,
                         double enough) const;
@@ -136,8 +138,8 @@ class DisplacedSurface {
     const BaseSurface& base_;
     const RootHeights& heights_;
     // The surface with the noise alone, where there are maps besides.
-    std::shared_ptr<const RootHeights> noise_;
-    std::shared_ptr<const DisplacedSurface> noisy_;
+    std::shared_ptr<const RootHeights> noise_heights_;
+    std::shared_ptr<const DisplacedSurface> noise_surface_;
 };
 
 }  // namespace prep::detail

@@ -14,6 +14,8 @@ namespace prep::detail {
 // operations on numbers of this size.
 inline constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
 
+// Of a bound that is to be as tight as may be, what a coarse share may be.
+inline constexpr double small_part = 0x1p-6;
 // A search by parts takes the time of dozens of bounds. Closed faces without noise and triangles
 // of rough maps are searched where their bounds are no more than so many times what is enough.
 inline constexpr double near_enough = 2;

@@ -20,6 +20,8 @@ namespace prep::detail {
 class RootHeights {
   public:
     RootHeights() = default;
+    RootHeights(RootHeights&&) = default;
+    RootHeights& operator=(RootHeights&&) = default;
     // Errors as tessellate's. The domain and `displacements` must outlive it.
     static Result<RootHeights> make(const Mesh& mesh, const Domain& domain, const BaseSurface& base,
                                     const TessellateOptions& options);

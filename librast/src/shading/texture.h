@@ -117,7 +117,8 @@ class MipTexture {
     //   by_sampler   magnified to a texel a pixel or more as the sampler's `mag`, else as its `min`
     //                on the levels of its `mip`.
     // Footprints of at most a texel are read as by trilinear, except by bicubic, nearest and
-    // by_sampler. A constant texture comes out with its own bits from all of them (but the mip levels' rounding).
+    // by_sampler. A constant texture comes out with its own bits from all of them (but the mip
+    // levels' rounding).
     glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                      int most = 8) const;
 
