@@ -407,6 +407,17 @@ TEST(RepairValues, EdgesLeftAndSplitAreCountedApart) {
     EXPECT_EQ(second.places, Indices{9});
 }
 
+// A face that has run empty between two points makes no other edge one that is left.
+TEST(RepairValues, AnEdgeBesideAnEmptyFaceIsSplit) {
+    Mesh mesh = shapes::mesh_of({{1, 1, 0}, {0, 1, 0}, {1, 2, 2}, {1, 1, 0}, {0, 0, 1}},
+                                {{2, 3, 1}, {1, 4, 3}, {1, 3, 2}, {3, 2, 0}});
+    const std::size_t vertices = mesh.vertex_count();
+    const RepairStep step = split_edges(mesh);
+    EXPECT_GT(mesh.vertex_count(), vertices);
+    EXPECT_EQ(step.changed, 1u);
+    EXPECT_EQ(step.left, 0u);
+}
+
 TEST(RepairValues, EdgesAndVerticesAreStepsOfTheirOwn) {
     // A book of three pages and a bow tie that does not touch it.
     Mesh tie = shapes::bow_tie();
