@@ -199,20 +199,18 @@ DisplacedSurface::Corners DisplacedSurface::corners(
     }
     c.gap = std::sqrt(gap);
     double turned = 0;  // of the frames
-    for (std::size_t k = 0; k < 3 && c.displacement; ++k) {
+    for (std::size_t k = 0; k < 3 && frames; ++k) {
         const std::size_t l = (k + 1) % 3;
-        if (frames) {
-            double squares = 0;
-            for (glm::length_t axis = 0; axis < 3; ++axis)
-                squares += squared(c.frames[k].axes[axis] - c.frames[l].axes[axis]);
-            turned =
-                std::max(turned, std::sqrt(squares) * glm::length(c.vectors[k] - c.vectors[l]));
-        }
-        c.cross = std::max(c.cross, std::abs(c.heights[k] - c.heights[l]) *
-                                        glm::length(c.points[k].direction - c.points[l].direction));
-        c.highest = std::max(c.highest, std::abs(c.heights[k]));
+        double squares = 0;
+        for (glm::length_t axis = 0; axis < 3; ++axis)
+            squares += squared(c.frames[k].axes[axis] - c.frames[l].axes[axis]);
+        turned = std::max(turned, std::sqrt(squares) * glm::length(c.vectors[k] - c.vectors[l]));
     }
-    c.cross += turned;
+    if (c.displacement) {
+        const HeightSpread spread = spread_of(c.heights, c.points);
+        c.cross = spread.cross + turned;
+        c.highest = spread.highest;
+    }
     return c;
 }
 
@@ -360,14 +358,9 @@ double DisplacedSurface::bound_as_one(const BisectedTriangle& closed, std::span<
         constexpr double roundings = 0x1p-50;
         if (off.x > roundings * size.x || off.y > roundings * size.y) return none;
     }
-    all.cross = all.highest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t l = (k + 1) % 3;
-        all.cross =
-            std::max(all.cross, std::abs(all.heights[k] - all.heights[l]) *
-                                    glm::length(all.points[k].direction - all.points[l].direction));
-        all.highest = std::max(all.highest, std::abs(all.heights[k]));
-    }
+    const HeightSpread spread = spread_of(all.heights, all.points);
+    all.cross = spread.cross;
+    all.highest = spread.highest;
     const auto bent = [&](const glm::dvec3& at, const glm::dvec3& a, const glm::dvec3& b,
                           const glm::dvec3& c) {
         return glm::length(at - (whole ? (a + b + c) / 3.0 : 0.5 * (a + c)));

@@ -1,7 +1,9 @@
 // A triangle of the tessellation as the bounds of a displaced surface take it.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
 
@@ -25,6 +27,23 @@ inline constexpr BaseDeviation unbounded{std::numeric_limits<double>::infinity()
 // What is no number is no bound.
 inline double bound_of(double x) {
     return x == x ? x : std::numeric_limits<double>::infinity();
+}
+
+// Of heights at a triangle's corners: the largest |h − h'||n − n'|, and the largest |h|.
+struct HeightSpread {
+    double cross = 0, highest = 0;
+};
+inline HeightSpread spread_of(const std::array<double, 3>& heights,
+                              const std::array<BasePoint, 3>& points) {
+    HeightSpread spread;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        spread.cross =
+            std::max(spread.cross, std::abs(heights[k] - heights[l]) *
+                                       glm::length(points[k].direction - points[l].direction));
+        spread.highest = std::max(spread.highest, std::abs(heights[k]));
+    }
+    return spread;
 }
 
 struct DisplacedSurface::Corners {

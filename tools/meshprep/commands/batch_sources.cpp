@@ -11,7 +11,7 @@ namespace meshprep {
 namespace {
 
 std::string name_of_file(const std::filesystem::path& file) {
-    return identity(file).string();
+    return identity_of(file).string();
 }
 
 // Of what is in the file, without a dot.

@@ -287,7 +287,7 @@ Result<prep::Scene> load_mesh(const std::filesystem::path& path, const DiffComma
     input->settle(*scene);
     if (!command.page.empty())
         for (const std::filesystem::path& file : read_beside(*scene))
-            if (file == identity(command.page))
+            if (file == identity_of(command.page))
                 return Error{ErrorCode::invalid, "the output is also an input; give another name",
                              command.page.string()};
     return scene;

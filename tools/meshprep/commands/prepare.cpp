@@ -164,11 +164,11 @@ class Batch {
     std::optional<std::filesystem::path> under_manifest() {
         if (command_.manifest.empty()) return std::nullopt;
         std::error_code ec;
-        const std::filesystem::path own = identity(command_.manifest);
+        const std::filesystem::path own = identity_of(command_.manifest);
         for (const Job& job : list_.jobs)
             for (const std::filesystem::path& file : {job.input, job.output})
                 if (!is_standard_stream(file) &&
-                    (identity(file) == own ||
+                    (identity_of(file) == own ||
                      std::filesystem::equivalent(file, command_.manifest, ec)))
                     return file;
         // Inputs are not loaded for a manifest of an earlier run.

@@ -95,11 +95,11 @@ void note_sources(const InputFile& input, const prep::Scene& scene, const Prepar
                   const ReadWatch& watch, Outcome& out) {
     const prep::DisplaceOptions& displacement = command.prepare.displacement;
     std::set<std::filesystem::path> written;
-    for (const std::filesystem::path& file : out.written) written.insert(identity(file));
+    for (const std::filesystem::path& file : out.written) written.insert(identity_of(file));
     const auto add = [&](const std::filesystem::path& file) {
         out.sources.push_back(hashed(file));
         out.complete &= out.sources.back().sha256.has_value() &&
-                        (watch.unchanged(file) || written.count(identity(file)) != 0);
+                        (watch.unchanged(file) || written.count(identity_of(file)) != 0);
     };
     std::vector<std::filesystem::path> files;
     std::set<std::filesystem::path> folders{
@@ -470,7 +470,7 @@ class FilePreparation {
     const Job& job_;
     const PrepareCommand& command_;
     const int threads_;
-    const BatchSurroundings& batch_;
+    const BatchSurroundings batch_;
     const std::string& prefix_;
     prep::LoadOptions load_;
     prep::RenderWishes picture_;

@@ -288,7 +288,7 @@ class Validator {
                              "a model is read from this file, and a sheet would be written over "
                              "it; give a directory of its own",
                              file.string()};
-            if (!shared_.written.insert(identity(file)).second)
+            if (!shared_.written.insert(identity_of(file)).second)
                 return Error{ErrorCode::invalid,
                              "another sheet has this name; validate the inputs into directories of "
                              "their own",

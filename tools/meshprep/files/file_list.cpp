@@ -62,7 +62,7 @@ std::vector<Input> list_directory(const fs::path& path, bool recursive, const fs
         for (const fs::recursive_directory_iterator end; !ec && it != end; it.increment(ec)) {
             std::error_code entry_ec;
             if (it->is_directory(entry_ec) && !it->is_symlink(entry_ec)) {
-                if (identity(it->path()) == output) {
+                if (identity_of(it->path()) == output) {
                     it.disable_recursion_pending();
                 } else if (fs::directory_iterator(it->path(), entry_ec); entry_ec) {
                     it.disable_recursion_pending();
@@ -94,7 +94,7 @@ std::vector<Input> list_inputs(const JobRequest& request) {
     std::vector<Input> inputs;
     fs::path output = request.output;
     if (!output.has_filename()) output = output.parent_path();
-    if (!output.empty()) output = identity(output);
+    if (!output.empty()) output = identity_of(output);
     for (const fs::path& path : request.inputs) {
         std::error_code ec;
         if (is_standard_stream(path)) {
@@ -145,21 +145,21 @@ Result<void> check_idle_options(const JobList& list, const JobRequest& request, 
                  list.jobs[0].output.string()};
 }
 
-// identity() of many files: each directory is followed once, while none of them changes.
+// identity_of() of many files: each directory is followed once, while none of them changes.
 class Identities {
   public:
     fs::path of(const fs::path& path) {
         const fs::path name = path.filename();
         if (!path.has_parent_path() || name.empty() || name == "." || name == "..")
-            return identity(path);
+            return identity_of(path);
         const auto [known, fresh] = directories_.try_emplace(path.parent_path());
-        if (fresh) known->second = identity(known->first);
+        if (fresh) known->second = identity_of(known->first);
         const fs::path file = known->second / name;
         std::error_code ec;
         const fs::file_type type = fs::symlink_status(file, ec).type();
         // What is no link stands where its directory is; the rest is looked at as a whole.
         const bool plain = type == fs::file_type::regular || type == fs::file_type::not_found;
-        return plain ? file : identity(path);
+        return plain ? file : identity_of(path);
     }
 
   private:
@@ -317,15 +317,15 @@ Result<void> require_file(const fs::path& path) {
 Result<void> keep_apart(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
     std::set<fs::path> read, written;
     for (const fs::path& path : inputs)
-        if (!is_standard_stream(path)) read.insert(identity(path));
+        if (!is_standard_stream(path)) read.insert(identity_of(path));
     for (const fs::path& path : outputs) {
         if (is_standard_stream(path))
             return Error{ErrorCode::invalid,
                          "only --json writes to standard output; give the name of a file", "-"};
-        if (read.count(identity(path)) != 0)
+        if (read.count(identity_of(path)) != 0)
             return Error{ErrorCode::invalid, "the output is also an input; give another name",
                          path.string()};
-        if (!written.insert(identity(path)).second)
+        if (!written.insert(identity_of(path)).second)
             return Error{ErrorCode::invalid,
                          "two outputs would be written here; give one of them another name",
                          path.string()};
@@ -335,9 +335,9 @@ Result<void> keep_apart(const std::vector<fs::path>& inputs, const std::vector<f
 
 std::vector<fs::path> read_beside(const prep::Scene& scene) {
     std::vector<fs::path> files;
-    for (const fs::path& library : scene.libraries) files.push_back(identity(library));
+    for (const fs::path& library : scene.libraries) files.push_back(identity_of(library));
     for (const prep::ImageRef& image : scene.images)
-        for (const fs::path& file : prep::files_of(image)) files.push_back(identity(file));
+        for (const fs::path& file : prep::files_of(image)) files.push_back(identity_of(file));
     return files;
 }
 

@@ -50,10 +50,7 @@ prep::Result<JobList> plan_jobs(const JobRequest& request);
 // `path` must be there and be a file that can be read. For messages before the libraries' own.
 prep::Result<void> require_file(const std::filesystem::path& path);
 
-// The same path for the same file, whatever way it is named; it need not be there.
-inline std::filesystem::path identity(const std::filesystem::path& path) {
-    return prep::detail::identity_of(path);
-}
+using prep::detail::identity_of;
 
 // No output may be an input, nor two outputs one file, nor one of them standard output.
 prep::Result<void> keep_apart(const std::vector<std::filesystem::path>& inputs,

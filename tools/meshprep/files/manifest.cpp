@@ -144,10 +144,10 @@ void Manifest::set(ManifestEntry entry) {
 }
 
 Result<void> Manifest::write(const std::filesystem::path& path) const {
-    const std::filesystem::path own = identity(path);
+    const std::filesystem::path own = identity_of(path);
     for (const auto& [key, entry] : entries_)
         for (const HashedFile& output : entry.outputs)
-            if (identity(output.path) == own)
+            if (identity_of(output.path) == own)
                 return Error{ErrorCode::invalid,
                              "the manifest would be written over this output of " + key.first +
                                  "; give it another name",

@@ -36,7 +36,8 @@ std::vector<std::string> parse_list(const std::string& text) {
     std::istringstream in(text);
     std::string word;
     while (std::getline(in, word, ',')) words.push_back(word);
-    if (!text.empty() && text.back() == ',') words.emplace_back();  // a word as any other
+    if (!text.empty() && text.back() == ',')
+        words.emplace_back();  // an empty word, which nobody knows
     return words;
 }
 
