@@ -163,6 +163,29 @@ TEST(Topology, ManyEmptyTrianglesFormAChain) {
     EXPECT_EQ(t.corner_faces[c], 1u);
 }
 
+TEST(Topology, EmptyTrianglesOpenNoSurface) {
+    // On an edge of one direction, on one of four faces, and where nothing else is: each is closed
+    // in itself, and the edge is what it is without them.
+    for (const std::uint32_t pages : {2u, 4u, 0u})
+        for (const int empties : {1, 2, 3}) {
+            SCOPED_TRACE(testing::Message() << pages << " faces, " << empties << " empty ones");
+            shapes::Faces faces;
+            std::vector<glm::vec3> points{{0, 0, 0}, {1, 0, 0}};
+            for (std::uint32_t f = 0; f < pages; ++f) {
+                points.emplace_back(0, f + 1, f * f);
+                faces.push_back({0, 1, f + 2});
+            }
+            for (int i = 0; i < empties; ++i) faces.push_back({1, 0, 0});
+            const Mesh mesh = shapes::mesh_of(points, faces);
+            const Topology t = topology_of(mesh);
+            expect_consistent(mesh, t);
+            EXPECT_EQ(count(t, EdgeKind::border), 2 * pages);
+            EXPECT_EQ(count(t, EdgeKind::interior), 2u * empties);
+            EXPECT_EQ(count(t, EdgeKind::inconsistent), pages == 2 ? 2u : 0u);
+            EXPECT_EQ(count(t, EdgeKind::non_manifold), pages == 4 ? 4u : 0u);
+        }
+}
+
 TEST(Topology, FaceOfOnePointIsAllDegenerate) {
     const Mesh mesh = shapes::mesh_of({{0, 0, 0}}, {{0, 0, 0}});
     const Topology t = topology_of(mesh);

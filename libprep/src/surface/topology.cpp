@@ -107,7 +107,8 @@ class Pairing {
 
     // A face that has run empty between two points (a triangle with a repeated corner) uses their
     // edge once in either direction. The faces on its sides are neighbours through it: the chain
-    // real – empty – … – empty – real.
+    // real – empty – … – empty – real. Where no chain can be, it is its own neighbour, as it is on
+    // an edge of no other face: it opens no surface.
     void pair_many(std::span<const std::uint64_t> run, Index lower) {
         std::vector<Index> forward, backward;
         std::vector<std::pair<Index, Index>> empty;  // forward, backward half-edge
@@ -127,7 +128,7 @@ class Pairing {
         for (const std::uint64_t entry : run)
             topology_.kinds[half_edge_of(entry)] = EdgeKind::border;
         const std::size_t real = forward.size() + backward.size();
-        if (forward.size() <= 1 && backward.size() <= 1) {
+        if (real > 0 && forward.size() <= 1 && backward.size() <= 1) {
             Index open = forward.empty() ? no_index : forward[0];
             for (const auto& [there, back] : empty) {
                 if (open != no_index) link(open, back);
@@ -136,6 +137,7 @@ class Pairing {
             if (open != no_index && !backward.empty()) link(open, backward[0]);
             return;
         }
+        for (const auto& [there, back] : empty) link(there, back);
         const EdgeKind kind = real == 2 ? EdgeKind::inconsistent : EdgeKind::non_manifold;
         for (const auto* side : {&forward, &backward})
             for (const Index c : *side) topology_.kinds[c] = kind;
