@@ -170,27 +170,27 @@ TEST(HeightMap, QuantumIsHalfAStepOfWhatTheValuesUse) {
     bytes.integer_bits = 8;
     HeightMapOptions options;
     options.scale = 2;
-    const auto quantisation = [&](const Image& image) {
-        return HeightMap::make(image, options)->quantisation();
+    const auto precision = [&](const Image& image) {
+        return HeightMap::make(image, options)->precision();
     };
-    EXPECT_EQ(quantisation(bytes).bits, 8);
-    EXPECT_DOUBLE_EQ(quantisation(bytes).half_step, 1.0 / 255);
+    EXPECT_EQ(precision(bytes).bits, 8);
+    EXPECT_DOUBLE_EQ(precision(bytes).half_step, 1.0 / 255);
     Image words = bytes;
     words.integer_bits = 16;  // 8 bits, saved with 16
-    EXPECT_EQ(quantisation(words).bits, 8);
-    EXPECT_EQ(quantisation(words).file_bits, 16);
+    EXPECT_EQ(precision(words).bits, 8);
+    EXPECT_EQ(precision(words).file_bits, 16);
     words.pixels[3] = float(1001.0 / 65535);
-    EXPECT_EQ(quantisation(words).bits, 16);
-    EXPECT_DOUBLE_EQ(quantisation(words).half_step, 1.0 / 65535);
+    EXPECT_EQ(precision(words).bits, 16);
+    EXPECT_DOUBLE_EQ(precision(words).half_step, 1.0 / 65535);
     Image floats = bytes;
     floats.integer_bits = 0;
-    EXPECT_EQ(quantisation(floats).bits, 8);
-    EXPECT_EQ(quantisation(floats).file_bits, 0);
+    EXPECT_EQ(precision(floats).bits, 8);
+    EXPECT_EQ(precision(floats).file_bits, 0);
     floats.pixels[3] = 0.12345f;
-    EXPECT_EQ(quantisation(floats).bits, 0);
-    EXPECT_EQ(quantisation(floats).half_step, 0);
-    EXPECT_EQ(quantisation(picture(2, 2, [](auto x, auto) { return double(x); })).bits, 0);
-    EXPECT_EQ(quantisation(picture(4, 4, [](auto x, auto) { return 1e-30 * (x + 1); })).bits, 0);
+    EXPECT_EQ(precision(floats).bits, 0);
+    EXPECT_EQ(precision(floats).half_step, 0);
+    EXPECT_EQ(precision(picture(2, 2, [](auto x, auto) { return double(x); })).bits, 0);
+    EXPECT_EQ(precision(picture(4, 4, [](auto x, auto) { return 1e-30 * (x + 1); })).bits, 0);
 }
 
 TEST(HeightMap, WhatIsNoHeightIsAnErrorThatNamesIt) {

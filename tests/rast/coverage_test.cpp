@@ -113,10 +113,14 @@ TEST(Coverage, ZeroAreaOnTheGridIsCountedAndDrawsNothing) {
         for (Point& q : p) q = {std::int64_t(random() % 12) * 64, std::int64_t(random() % 12) * 64};
         std::vector<ScreenVertex> vertices;
         for (const Point& q : p) vertices.push_back(vertex_at(q.x, q.y, 8, 8));
-        degenerate += orientation(p[0], p[1], p[2]) == 0;
         HitOptions options;
         options.level = levels[n % 4];
-        counted += count_hits(vertices, {{0, 1, 2}}, 8, 8, options).counters.degenerate;
+        const Hits hits = count_hits(vertices, {{0, 1, 2}}, 8, 8, options);
+        counted += hits.counters.degenerate;
+        if (orientation(p[0], p[1], p[2]) != 0) continue;
+        ++degenerate;
+        ASSERT_EQ(std::count(hits.front.begin(), hits.front.end(), 0), 64);
+        ASSERT_EQ(std::count(hits.back.begin(), hits.back.end(), 0), 64);
     }
     EXPECT_EQ(counted, degenerate);
     EXPECT_GT(degenerate, 100u);

@@ -5,6 +5,7 @@
 
 #include "base/disjoint_sets.h"
 #include "check/check_parts.h"
+#include "surface/edge_key.h"
 #include "surface/fans.h"
 #include "surface/shells.h"
 
@@ -69,7 +70,7 @@ class AdjacencyCheck {
                 case EdgeKind::inconsistent:
                 case EdgeKind::non_manifold: {
                     const Index a = context_.point_of(c), b = context_.point_of(next(c));
-                    crowded_.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), c});
+                    crowded_.push_back({edge_key(a, b), c});
                     break;
                 }
                 case EdgeKind::degenerate:
@@ -204,7 +205,7 @@ class AdjacencyCheck {
     Index turned_neighbor(Index c) const {
         if (topology_.kinds[c] != EdgeKind::inconsistent) return no_index;
         const Index a = context_.point_of(c), b = context_.point_of(next(c));
-        const CrowdedEdge first{std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), 0};
+        const CrowdedEdge first{edge_key(a, b), 0};
         for (auto at = std::lower_bound(crowded_.begin(), crowded_.end(), first);
              at != crowded_.end() && at->edge == first.edge; ++at)
             if (at->corner != c) return at->corner;

@@ -37,7 +37,7 @@ struct Deviation {
 // How coarse a map's values are: `half_step` in the units of heights, 0 for floats. `bits` are
 // those that the values use: 8 also for a map of 8 bits that was saved with 16 or as floats, for
 // which `file_bits` says 16 or 0.
-struct Quantisation {
+struct MapPrecision {
     int bits = 0, file_bits = 0;
     double half_step = 0;
 };
@@ -105,7 +105,7 @@ class HeightMap {
 
     // Half a step of the file's integers, in the units of heights; 0 for floats.
     double quantum() const;
-    Quantisation quantisation() const;
+    MapPrecision precision() const;
 
     std::uint32_t width() const;
     std::uint32_t height() const;
@@ -150,7 +150,7 @@ class VectorMap {
     Result<Limited> limited(const ChartAtlas& atlas, double spacing) const;
     double quantum() const;
     // The most bits of a channel; half_step is that of vectors.
-    Quantisation quantisation() const;
+    MapPrecision precision() const;
     glm::dvec2 texel_size() const { return channels_[0].texel_size(); }
 
   private:

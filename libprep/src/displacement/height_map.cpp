@@ -207,11 +207,11 @@ Deviation HeightMap::deviation(const std::array<glm::dvec2, 3>& uv,
 }
 
 double HeightMap::quantum() const {
-    return quantisation().half_step;
+    return precision().half_step;
 }
 
-Quantisation HeightMap::quantisation() const {
-    Quantisation q{data_->bits, data_->file_bits, 0};
+MapPrecision HeightMap::precision() const {
+    MapPrecision q{data_->bits, data_->file_bits, 0};
     if (q.bits > 0)
         q.half_step = 0.5 * std::abs(data_->options.scale) / (std::ldexp(1.0, q.bits) - 1);
     return q;

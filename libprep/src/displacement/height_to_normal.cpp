@@ -22,7 +22,7 @@ Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions
     as.placement = {};  // the normal map is laid as the height map is
     const auto map = detail::HeightMap::make(heights, as);
     if (!map) return map.error();
-    if (bits != nullptr) *bits = map->quantisation().bits;
+    if (bits != nullptr) *bits = map->precision().bits;
     Image out;
     out.width = heights.width;
     out.height = heights.height;

@@ -107,10 +107,10 @@ double VectorMap::quantum() const {
     return std::sqrt(squares);
 }
 
-Quantisation VectorMap::quantisation() const {
-    Quantisation q = channels_[0].quantisation();
+MapPrecision VectorMap::precision() const {
+    MapPrecision q = channels_[0].precision();
     for (const HeightMap& channel : channels_)
-        if (const Quantisation other = channel.quantisation();
+        if (const MapPrecision other = channel.precision();
             q.bits != 0 && (other.bits == 0 || other.bits > q.bits))
             q = other;
     q.half_step = quantum();

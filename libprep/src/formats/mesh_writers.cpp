@@ -14,6 +14,7 @@
 #include "model/origin.h"
 #include "text/blocks.h"
 #include "text/lower_case.h"
+#include "text/note_once.h"
 #include "text/numbers.h"
 
 namespace prep::detail {
@@ -63,10 +64,6 @@ struct Instance {
     glm::dmat4 world;
     bool moved() const { return world != glm::dmat4(1.0) || mesh->origin != glm::dvec3(0.0); }
 };
-
-void note_once(std::vector<std::string>& notes, const std::string& text) {
-    if (std::find(notes.begin(), notes.end(), text) == notes.end()) notes.push_back(text);
-}
 
 // Formats that hold one set get the first that the mesh has.
 const std::vector<glm::vec2>& first_uvs(const VertexMesh& mesh) {

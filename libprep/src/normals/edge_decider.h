@@ -12,6 +12,7 @@
 #include "exact/exact_normals.h"
 #include "normals/area_vector.h"
 #include "prep/hard_edges.h"
+#include "surface/edge_key.h"
 
 namespace prep::detail {
 
@@ -107,10 +108,7 @@ class EdgeDecider {
     }
 
     Index point(Index vertex) const { return welded_.empty() ? vertex : welded_[vertex]; }
-    std::uint64_t key(Index a, Index b) const {
-        const Index p = point(a), q = point(b);
-        return std::uint64_t(std::min(p, q)) << 32 | std::max(p, q);
-    }
+    std::uint64_t key(Index a, Index b) const { return edge_key(point(a), point(b)); }
     void mark_edges() {
         const auto add = [&](Index a, Index b) {
             if (a < mesh_.positions.size() && b < mesh_.positions.size())

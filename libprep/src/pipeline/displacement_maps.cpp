@@ -207,7 +207,7 @@ Result<void> DisplacementMaps::make_heights(const Scene& scene, Reading& as, boo
     if (!pixels) return pixels.error();
     auto map = HeightMap::make(**pixels, as.map);
     if (!map) return std::move(map).error();
-    as.quantisation = map->quantisation();
+    as.precision = map->precision();
     if (reads_confined()) as.confined.height = confined(scene, as, *map, of_cages);
     if (options_.band_limit > 0) as.heights = *std::move(map);
     return {};
@@ -223,7 +223,7 @@ Result<void> DisplacementMaps::make_vectors(const Scene& scene, Reading& as, boo
     if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
     auto map = VectorMap::make(**pixels, options);
     if (!map) return std::move(map).error();
-    as.quantisation = map->quantisation();
+    as.precision = map->precision();
     as.in_object_space = map->in_object_space();
     if (reads_confined()) as.confined.vector = confined(scene, as, *map, of_cages);
     if (options_.band_limit > 0) as.vectors = *std::move(map);
@@ -247,7 +247,7 @@ Result<Displacement> DisplacementMaps::read(const Scene& scene, Reading& as,
     auto made = heights ? make_heights(scene, as, surface.is_limit)
                         : make_vectors(scene, as, surface.is_limit);
     if (!made) return std::move(made).error();
-    to.quantisations.push_back(as.quantisation);
+    to.precisions.push_back(as.precision);
     Displacement out = as.confined;
     out.uv_set = as.uv_set;
     out.tangent_space = !heights && !as.in_object_space;
@@ -331,7 +331,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
         }
         out.changes.push_back(band_limit_change(*options_.noise, band_limit));
         out.names.push_back(std::string(name_of(options_.noise->kind)) + " noise");
-        out.quantisations.emplace_back();
+        out.precisions.emplace_back();
     }
     if (options_.map || noise || !options_.from_materials) return out;
     out.material_displacements.assign(scene.materials.size(), no_index);

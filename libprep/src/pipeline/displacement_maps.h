@@ -30,8 +30,8 @@ class DisplacementMaps {
     struct OfMesh {
         std::vector<Displacement> displacements;
         std::vector<std::uint32_t> material_displacements;
-        std::vector<std::string> names;           // of the pictures
-        std::vector<Quantisation> quantisations;  // likewise
+        std::vector<std::string> names;        // of the pictures
+        std::vector<MapPrecision> precisions;  // likewise
         // With a band limit: the same without it where residual maps are made, and how much it
         // changes heights (or vectors) at most, by picture or noise.
         std::vector<Displacement> as_read;
@@ -64,7 +64,7 @@ class DisplacementMaps {
         std::map<std::uint32_t, std::vector<std::uint32_t>> materials = {};
         bool default_midlevel = false;  // nobody said it
         // Made for the first mesh that has it.
-        Quantisation quantisation = {};
+        MapPrecision precision = {};
         bool in_object_space = false;
         std::optional<HeightMap> heights = {};  // as the file has it, where a band limit reads that
         std::optional<VectorMap> vectors = {};

@@ -266,7 +266,7 @@ void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
                             "against what is left",
                             options_.displacement.band_limit, maps.names[k], maps.changes[k]),
                 PlaceKind::face);
-        const Quantisation& q = maps.quantisations[k];
+        const MapPrecision& q = maps.precisions[k];
         if (q.bits == 0 || q.bits > 8) continue;
         add_finding("coarse-heights", Severity::warning, 1, {},
                     fmt::format("{} has {} bits{}: heights are off by up to {:.3g} in the map "

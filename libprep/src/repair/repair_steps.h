@@ -1,13 +1,13 @@
 // The steps of repair() and the edits that they share.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "check/check_parts.h"
 #include "prep/repair.h"
 #include "prep/topology.h"
+#include "surface/edge_key.h"
 
 namespace prep::detail {
 
@@ -31,11 +31,6 @@ void turn_faces(Mesh& mesh, const std::vector<std::uint8_t>& turn, const FaceNor
 // new `face_offsets`.
 void keep_corners(Mesh& mesh, const std::vector<std::uint32_t>& kept,
                   std::vector<std::uint32_t> face_offsets);
-
-// An edge by its two points, in either order.
-inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-}
 
 // Names the file's vertices where nothing was renumbered so far: of vertices, and of corners.
 void number_file_vertices(Mesh& mesh);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "prep/triangulate.h"
+#include "surface/edge_key.h"
 
 namespace prep::detail {
 namespace {
@@ -188,7 +189,7 @@ struct Edge {
 };
 
 Edge edge_of(Index a, Index b, Index owner) {
-    return {std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), owner};
+    return {edge_key(a, b), owner};
 }
 
 void sort_edges(std::vector<Edge>& edges) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "displacement/noise_field.h"
+#include "surface/edge_key.h"
 #include "tessellation/domain.h"
 
 namespace prep {
@@ -151,9 +152,6 @@ class Charts {
         atlas.across.assign(3 * std::size_t(count), no_index);
         atlas.same_way.assign(3 * std::size_t(count), 0);
         std::vector<Edge> edges, diagonals;
-        const auto between = [](std::uint32_t a, std::uint32_t b) {
-            return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-        };
         for (std::uint32_t t = 0; t < count; ++t) {
             const Source& source = sources_[t];
             const auto [a, b] = source.corners;
@@ -165,9 +163,9 @@ class Charts {
             atlas.across[3 * t + 1] = 3 * source.next + 2;
             atlas.across[3 * t + 2] = 3 * source.previous + 1;
             if (source.is_edge)
-                edges.push_back({between(mesh_.corner_vertices[a], mesh_.corner_vertices[b]), t});
+                edges.push_back({edge_key(mesh_.corner_vertices[a], mesh_.corner_vertices[b]), t});
             else
-                diagonals.push_back({between(a, b), t});
+                diagonals.push_back({edge_key(a, b), t});
         }
         link(edges, atlas);
         link(diagonals, atlas);

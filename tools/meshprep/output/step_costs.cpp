@@ -74,10 +74,11 @@ using rast::DrawingPart;
 constexpr std::uint32_t bit_of(DrawingPart part) {
     return 1u << unsigned(part);
 }
-constexpr std::uint32_t bit_of(std::string_view stage) {
+// A name that is no stage's does not compile.
+consteval std::uint32_t bit_of(std::string_view stage) {
     for (std::size_t k = 0; k < rast::shade_stages; ++k)
         if (rast::shade_stage_names[k] == stage) return 1u << k;
-    return 0;
+    throw "no such stage";
 }
 static_assert(rast::drawing_parts <= 32);
 

@@ -8,7 +8,7 @@
 #include "base/file_bytes.h"
 #include "formats/gltf/document.h"
 #include "formats/gltf/extensions.h"
-#include "formats/gltf/materials.h"
+#include "formats/gltf/materials/material_reader.h"
 #include "formats/gltf/meshes.h"
 #include "formats/gltf/structure.h"
 #include "text/name_list.h"

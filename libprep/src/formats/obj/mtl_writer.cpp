@@ -8,6 +8,7 @@
 #include "image/packed_channels.h"
 #include "image/picture_kind.h"
 #include "prep/image.h"
+#include "text/note_once.h"
 
 namespace prep::detail {
 
@@ -91,7 +92,7 @@ double MtlWriter::height_scale(const Material& of) {
 }
 
 void MtlWriter::note(const std::string& text) {
-    if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    note_once(notes_, text);
 }
 
 // OBJ tells materials apart by name alone.

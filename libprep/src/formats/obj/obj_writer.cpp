@@ -9,6 +9,7 @@
 #include "model/origin.h"
 #include "prep/formats.h"
 #include "text/blocks.h"
+#include "text/note_once.h"
 #include "text/numbers.h"
 
 namespace prep::detail {
@@ -80,9 +81,7 @@ class ObjWriter {
   private:
     static constexpr std::uint64_t unused = ~std::uint64_t(0);
 
-    void note(const std::string& text) {
-        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
-    }
+    void note(const std::string& text) { note_once(notes_, text); }
 
     // Of several meshes each is an object, and each time that it is there.
     void name_object(const Mesh& mesh, const Node& node) {

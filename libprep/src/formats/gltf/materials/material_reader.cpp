@@ -1,4 +1,4 @@
-#include "formats/gltf/materials.h"
+#include "formats/gltf/materials/material_reader.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "formats/gltf/material_extensions.h"
+#include "formats/gltf/materials/material_extensions.h"
 
 #include <algorithm>
 
