@@ -54,13 +54,15 @@ class PlaneFit {
     glm::dmat2 squares_{0.0};
 };
 
-// Fills the texels of a rectangle that are not covered, from those that are. `spacing`: in texels,
-// over which planes are fitted. Across borders a texel is the mean of `samples` by `samples`.
+// Of a rectangle.
 struct ChartTexels {
     std::int64_t width = 0, height = 0;
     std::vector<float> heights;  // row by row
     std::vector<std::uint8_t> covered;
 };
+
+// Fills the texels that are not covered, from those that are. `spacing`: in texels, over which
+// planes are fitted. Across borders a texel is the mean of `samples` by `samples`.
 void continue_chart(ChartTexels& texels, const ChartAtlas& atlas,
                     std::span<const ChartBorder> borders, const ReadAcross& read,
                     const glm::dvec2& spacing, int threads);

@@ -24,12 +24,13 @@ namespace prep::detail {
 
 struct HeightMapData;
 
-// Errors: limit (more than 2^28 texels).
 struct FilteredMap {
     std::int64_t width = 0, height = 0;
     std::vector<float> raw;
     double change = 0;  // the largest of a height, in the map's units
 };
+
+// Errors: limit (more than 2^28 texels).
 Result<FilteredMap> filter_charts(const HeightMapData& map, const ChartAtlas& atlas,
                                   double spacing);
 

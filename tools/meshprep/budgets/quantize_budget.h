@@ -61,15 +61,16 @@ std::vector<int> direction_rungs();
 // The truth of what is measured are floats, so that it is added.
 inline constexpr double float_rounding_degrees = 3.4151e-6;
 
+struct SavedWithin {
+    std::vector<std::string> notes;
+    QuantizationCertificate certificate;
+};
+
 // Writes the file with the fewest bits that keep what was asked for (positions and UVs as
 // `options` say, and so directions of which nothing was asked). Each is written to a private
 // directory first, read back and measured; where that is more than was asked for, bits are added.
 // What is at `path` is replaced once, by what was chosen.
 // Errors: those of save_scene() and load_scene(), io (temporary files).
-struct SavedWithin {
-    std::vector<std::string> notes;
-    QuantizationCertificate certificate;
-};
 prep::Result<SavedWithin> save_within(const prep::PreparedScene& prepared,
                                       const std::filesystem::path& path,
                                       const prep::SaveOptions& options,

@@ -42,6 +42,16 @@ void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
     }
 }
 
+constexpr std::pair<std::string_view, bool prep::RepairOptions::*> repair_choices[] = {
+    {"degenerate", &prep::RepairOptions::degenerate_faces},
+    {"duplicates", &prep::RepairOptions::duplicate_faces},
+    {"edges", &prep::RepairOptions::non_manifold_edges},
+    {"vertices", &prep::RepairOptions::non_manifold_vertices},
+    {"orientation", &prep::RepairOptions::orientation},
+    {"outward", &prep::RepairOptions::outward},
+    {"isolated", &prep::RepairOptions::isolated_vertices},
+};
+
 // "weld=1e-5,degenerate,holes=50", or "all": everything but welding, which joins what only touches.
 void parse_repair(const std::string& text, prep::RepairOptions& repair) {
     constexpr std::uint32_t default_hole_edges = 100;
@@ -61,20 +71,21 @@ void parse_repair(const std::string& text, prep::RepairOptions& repair) {
             !(value[0] >= 3 && value[0] <= 1000 && value[0] == std::floor(value[0])))
             usage_error("--repair", "'" + word + "': holes of 3 to 1000 edges can be filled");
         const bool all = name == "all";
-        if (name == "weld") repair.weld_tolerance = valued ? value[0] : 0;
-        if (all || name == "degenerate") repair.degenerate_faces = true;
-        if (all || name == "duplicates") repair.duplicate_faces = true;
-        if (all || name == "edges") repair.non_manifold_edges = true;
-        if (all || name == "vertices") repair.non_manifold_vertices = true;
-        if (all || name == "orientation") repair.orientation = true;
-        if (all || name == "outward") repair.outward = true;
-        if (all || name == "holes")
+        bool known = all;
+        if (name == "weld") {
+            repair.weld_tolerance = valued ? value[0] : 0;
+            known = true;
+        }
+        if (all || name == "holes") {
             repair.hole_edges = valued ? static_cast<std::uint32_t>(value[0]) : default_hole_edges;
-        if (all || name == "isolated") repair.isolated_vertices = true;
-        static constexpr std::string_view names[] = {
-            "all",      "weld",        "degenerate", "duplicates", "edges",
-            "vertices", "orientation", "outward",    "holes",      "isolated"};
-        if (std::find(std::begin(names), std::end(names), name) == std::end(names))
+            known = true;
+        }
+        for (const auto& [word_of_it, choice] : repair_choices)
+            if (all || name == word_of_it) {
+                repair.*choice = true;
+                known = true;
+            }
+        if (!known)
             usage_error("--repair",
                         "'" + name +
                             "' is not one of weld[=DISTANCE], degenerate, "

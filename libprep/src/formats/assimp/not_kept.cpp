@@ -50,8 +50,8 @@ bool is_number(const aiMetadataEntry& entry, double value) {
     return false;
 }
 
-// What units.cpp reads, what those were before the file's program changed them, and what Assimp
-// says of its own reader.
+// What units_axes.cpp reads, what those were before the file's program changed them, and what
+// Assimp says of its own reader.
 constexpr std::string_view read_of_scenes[] = {"UpAxis",
                                                "UpAxisSign",
                                                "FrontAxis",
