@@ -9,7 +9,7 @@ set(sanitized_tests
     prep_obj_names prep_obj_values prep_odd_files prep_off prep_openmesh prep_ply prep_ply_colors prep_scene_bytes prep_scene_json
     prep_stl
     # meshes
-    prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_prepare prep_prepare_subdivide
+    prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_moving_cages prep_prepare prep_prepare_subdivide
     prep_recover_quads prep_repair prep_repair_flat prep_repair_holes prep_repair_marks prep_source_corners prep_split prep_subdivide
     prep_subdivide_attributes prep_tangents_cases prep_tangents_identity prep_tessellation_hard_cases
     prep_topology prep_triangulate prep_weld

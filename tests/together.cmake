@@ -22,7 +22,7 @@ set(tests_together
     "prep height_filters tessellation_frames tessellation_triangle_bounds"
     "prep noise_field tessellation_maps"
     "prep tessellation_screens tessellation_sources"
-    "prep contained_mutations gltf_mend gltf_repair gltf_values mtl obj_names odd_files prepare_subdivide
+    "prep contained_mutations gltf_mend gltf_repair gltf_values moving_cages mtl obj_names odd_files prepare_subdivide
      recover_quads repair_flat repair_holes"
     "prep image_damage obj_values off openmesh ply ply_colors repair
      repair_marks scene_bytes"

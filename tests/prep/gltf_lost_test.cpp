@@ -5,10 +5,13 @@
 #include <cmath>
 #include <sstream>
 
+#include "gltf_maker.h"
 #include "gltf_source.h"
 #include "mesh_files.h"
 #include "prep/load.h"
+#include "prep/prepare.h"
 #include "prep/save.h"
+#include "written_gltf.h"
 
 namespace {
 
@@ -358,6 +361,52 @@ TEST(GltfLost, FilesThatTheSceneWasReadFromAreSpared) {
     options.replace_sources = true;
     EXPECT_TRUE(prep::save_scene(prepared, dir / "out.gltf", options).has_value());
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"in.obj", "out.bin", "out.gltf"}));
+}
+
+// A triangle; what its file says of the buffer, of the bufferView and of the accessor.
+TEST(GltfLost, WhatIsSaidOfDataStaysOrIsTold) {
+    test::GltfMaker maker;
+    maker.mesh({{{"attributes",
+                  {{"POSITION", maker.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3")},
+                   {"NORMAL", maker.accessor<float>({1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC3")}}}}});
+    Json document = Json::parse(maker.gltf());
+    document["buffers"][0]["name"] = "scan 7";
+    document["buffers"][0]["extras"] = {{"licence", "CC0"}};
+    for (const char* list : {"accessors", "bufferViews"})
+        for (Json& item : document[list]) item["extras"] = {{"of", list}};
+    Json two = document;
+    two["buffers"].push_back(two["buffers"][0]);
+    two["bufferViews"][1]["buffer"] = 1;
+    const std::string dropped =
+        "extras of accessors and bufferViews that no longer stand were left out";
+    const std::string merged =
+        "the file's buffers became one: their names and extras were left out";
+    for (const bool replaced : {false, true})
+        for (const bool several : {false, true})
+            for (const char* name : {"out.glb", "out.gltf"}) {
+                const test::TempDir dir;
+                test::write_text(dir / "in.gltf", (several ? two : document).dump());
+                auto scene = prep::load_scene(dir / "in.gltf");
+                ASSERT_TRUE(scene) << prep::to_string(scene.error());
+                prep::PrepareOptions options;
+                if (replaced) options.normals = prep::Authored::replace;
+                const auto prepared = prep::prepare(*std::move(scene), options);
+                ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
+                const auto notes = prep::save_scene(*prepared, dir / name);
+                ASSERT_TRUE(notes) << prep::to_string(notes.error());
+                EXPECT_EQ(told(*notes, dropped), replaced);
+                EXPECT_EQ(told(*notes, merged), several);
+                const test::GltfFile file(dir / name);
+                const test::GltfFile::Json& buffer = file.json["buffers"][0];
+                EXPECT_EQ(buffer.value("name", ""), several ? "" : "scan 7");
+                EXPECT_EQ(buffer.contains("extras"), !several);
+                if (replaced) continue;
+                const auto& primitive = file.primitive(0, 0);
+                const std::size_t points = primitive["attributes"]["POSITION"];
+                EXPECT_EQ(file.json["accessors"][points]["extras"]["of"], "accessors");
+                const std::size_t view = file.json["accessors"][points]["bufferView"];
+                EXPECT_EQ(file.json["bufferViews"][view]["extras"]["of"], "bufferViews");
+            }
 }
 
 }  // namespace

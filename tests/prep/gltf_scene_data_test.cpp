@@ -6,6 +6,7 @@
 #include "mesh_files.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
+#include "written_gltf.h"
 
 namespace {
 
@@ -58,6 +59,57 @@ TEST(GltfSceneData, AttributesOfOtherNamesKeepTheirNumbers) {
     EXPECT_EQ(heat.name, "_HEAT");
     EXPECT_EQ(heat.width, 2u);
     EXPECT_EQ(heat.values, (Floats{0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6}));
+}
+
+// Primitives may have one name in several types: as read, and refined, where each is written in
+// its own.
+TEST(GltfSceneData, AttributesOfOneNameKeepTheTypeOfEachPrimitive) {
+    const std::vector<std::pair<const char*, std::size_t>> types = {
+        {"SCALAR", 1}, {"VEC3", 3}, {"MAT2", 4}, {"VEC2", 2}};
+    for (const std::size_t turn : {0, 1, 2, 3}) {
+        GltfMaker maker;
+        Json primitives = Json::array();
+        for (std::size_t p = 0; p < 4; ++p) {
+            const auto& [type, width] = types[(p + turn) % 4];
+            Floats values, points = corner;
+            for (std::size_t k = 0; k < 3 * width; ++k) values.push_back(float(100 * p + k + 1));
+            for (std::size_t k = 0; k < 9; k += 3) points[k] += 5 * float(p);
+            primitives.push_back({{"attributes",
+                                   {{"POSITION", maker.accessor(points, "VEC3")},
+                                    {"_HEAT", maker.accessor(values, type)}}}});
+        }
+        maker.mesh(primitives);
+        auto scene = maker.read();
+        ASSERT_TRUE(scene) << test::error_of(scene);
+        EXPECT_EQ(scene->meshes[0].vertex_attributes.at(0).width, 4u);
+        prep::PrepareOptions options;
+        options.subdivide = true;
+        options.subdivision.level = 1;
+        options.subdivision.scheme = prep::SubdivisionScheme::bilinear;
+        const auto prepared = prep::prepare(*std::move(scene), options);
+        ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
+        const test::TempDir dir;
+        ASSERT_TRUE(prep::save_scene(*prepared, dir / "out.glb"));
+        const test::GltfFile file(dir / "out.glb");
+        for (std::size_t p = 0; p < 4; ++p) {
+            const auto& [type, width] = types[(p + turn) % 4];
+            const std::size_t accessor = file.primitive(0, p)["attributes"]["_HEAT"];
+            EXPECT_EQ(file.json["accessors"][accessor]["type"], type);
+            // The triangle's points have what they had.
+            const test::GltfValues heat = file.accessor(accessor),
+                                   points = file.attribute(0, p, "POSITION");
+            std::size_t found = 0;
+            for (std::size_t v = 0; v < points.count(); ++v)
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (points.at(v)[0] == corner[3 * c] + 5 * double(p) &&
+                        points.at(v)[1] == corner[3 * c + 1]) {
+                        ++found;
+                        for (std::size_t k = 0; k < width; ++k)
+                            EXPECT_EQ(heat.at(v)[k], double(100 * p + c * width + k + 1));
+                    }
+            EXPECT_EQ(found, 3u);
+        }
+    }
 }
 
 // Removing the first triangle's vertices renumbers the mesh; the file's data stay where they are

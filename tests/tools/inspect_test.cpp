@@ -402,4 +402,24 @@ TEST(Inspect, EachFileHasItsOwnVerdictAndOneFailureIsTheExitCode) {
     EXPECT_EQ(run_here({"inspect", twice, open, "--strict"}).exit_code, 1);  // not the last alone
 }
 
+TEST(Inspect, WhatIsLeftOutOfLongListsIsTold) {
+    const TempDir dir;
+    // A glTF file of 103 meshes, a triangle without area each, and 102 materials.
+    const json primitives = {{{"attributes", {{"POSITION", 0}}}}};
+    json document = {{"asset", {{"version", "2.0"}}},
+                     {"accessors",
+                      {{{"componentType", 5126},
+                        {"count", 3},
+                        {"type", "VEC3"},
+                        {"min", {0, 0, 0}},
+                        {"max", {0, 0, 0}}}}}};
+    for (int m = 0; m < 103; ++m) document["meshes"].push_back({{"primitives", primitives}});
+    for (int m = 0; m < 102; ++m) document["materials"].push_back({{"name", "m"}});
+    write_text(dir / "many.gltf", document.dump());
+    const test::Ran ran = run_here({"inspect", (dir / "many.gltf").string()});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("… and 3 more meshes\n"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("… and 2 more materials\n"), std::string::npos) << ran.out;
+}
+
 }  // namespace

@@ -438,7 +438,7 @@ TEST(RenderUsage, WrongNumbersAreUsageErrors) {
              {"--camera", "10,91"},    {"--camera", "10,20,0"},  {"--camera", "1,2,3,4"},
              {"--light", "1,2,-1"},    {"--light", "1,2,3,4"},   {"--look-from", "1,2,3,4"},
              {"--crop", "0,0,4x4,1"},  {"--crop", "0.5,0,4x4"},  {"--buffers", "depth,,x"},
-             {"--fov", "0"},           {"--fov", "175.5"},       {"--ortho", "-1"},
+             {"--fov", "0"},           {"--fov", "179.5"},       {"--ortho", "-1"},
              {"--ambient", "-0.1"},    {"--ambient", "101"},     {"--exposure", "0"},
              {"--samples", "3"},       {"--supersample", "17"},  {"--max-anisotropy", "0"},
              {"--coverage", "exact"},  {"--depth", "double"},    {"--tone-map", "filmic"},

@@ -65,13 +65,19 @@ Result<void> MeshPreparation::crease_hard_edges() {
 Result<void> MeshPreparation::weld_cage(const std::string& reason) {
     move_cage_to_its_origin();
     if (geometry_.shared || !is_welded()) return {};
+    std::uint64_t moved_apart = 0;
     const std::uint64_t apart = log_.run("weld", reason, [&] {
-        weld_vertices(mesh_, 0, options_.threads);
-        return join_parts(mesh_, options_.threads);
+        const MovingPoints points = moving_points(mesh_, options_.threads);
+        moved_apart = points.apart;
+        weld_points(mesh_, points.first);
+        return join_parts(mesh_, points.first);
     });
     add_finding("parts-apart", Severity::info, apart, {},
                 "points of primitives that lie on each other stay apart: more than two faces would "
                 "meet in an edge",
+                PlaceKind::vertex);
+    add_finding("moving-apart", Severity::info, moved_apart, {},
+                "points that lie on others stay apart: joints or morph targets move them elsewhere",
                 PlaceKind::vertex);
     geometry_.shared = true;
     return {};

@@ -136,57 +136,75 @@ std::int64_t cell_along(float x, double tolerance) {
     return x < 0 ? -beyond : beyond;
 }
 
+// By vertex the one of its point and its part. `points`: by vertex the one that stands for its
+// point.
+std::vector<Index> targets_of(const Mesh& mesh, const std::vector<Index>& points) {
+    const std::vector<Index> parts = parts_of_vertices(mesh);
+    std::vector<Index> target(mesh.vertex_count());
+    std::unordered_map<std::uint64_t, Index> firsts;  // of a point in a part that is not its first
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        target[v] = is_finite(mesh.positions[v]) ? points[v] : v;
+        if (parts[target[v]] == parts[v]) continue;
+        const std::uint64_t key = std::uint64_t(points[v]) << 32 | parts[v];
+        target[v] = firsts.emplace(key, v).first->second;
+    }
+    return target;
+}
+
+// By vertex the earliest one of its part within the tolerance that stays.
+std::vector<Index> targets_within(const Mesh& mesh, double tolerance) {
+    const std::vector<Index> parts = parts_of_vertices(mesh);
+    std::vector<Index> target(mesh.vertex_count());
+    std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        target[v] = v;
+        const glm::vec3& at = mesh.positions[v];
+        if (!is_finite(at)) continue;
+        const Cell home{cell_along(at.x, tolerance), cell_along(at.y, tolerance),
+                        cell_along(at.z, tolerance)};
+        Index best = no_index;
+        for (int k = 0; k < 27; ++k) {
+            const Cell near{home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1};
+            const auto found = cells.find(near);
+            if (found == cells.end()) continue;
+            for (const Index u : found->second)
+                if (u < best && parts[u] == parts[v] &&
+                    glm::length(glm::dvec3(mesh.positions[u]) - glm::dvec3(at)) <= tolerance)
+                    best = u;
+        }
+        if (best != no_index)
+            target[v] = best;
+        else
+            cells[home].push_back(v);
+    }
+    return target;
+}
+
 }  // namespace
+
+void weld_points(Mesh& mesh, const std::vector<Index>& points) {
+    const std::vector<Index> target = targets_of(mesh, points);
+    for (Index v = 0; v < target.size(); ++v)
+        if (target[v] != v) return put_in_place(mesh, target);
+}
 
 RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     RepairStep step;
     step.step = "weld";
     step.place_kind = PlaceKind::vertex;
     step.text = "vertices were welded to an earlier one within the tolerance";
-    const std::vector<Index> parts = parts_of_vertices(mesh);
-    const std::vector<Index> equal = weld_exact(mesh.positions, threads);
-    std::vector<Index> target(mesh.vertex_count());
-    std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
-    std::unordered_map<std::uint64_t, Index> firsts;  // of a point in a part that is not its first
+    const std::vector<Index> target = tolerance == 0
+                                          ? targets_of(mesh, weld_exact(mesh.positions, threads))
+                                          : targets_within(mesh, tolerance);
     std::vector<std::uint8_t> used(mesh.vertex_count(), 0);
     for (const auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
         for (const Index v : *users) used[v] = 1;
     Places moved;  // of what somebody uses: of the rest nothing changes
-    for (Index v = 0; v < mesh.vertex_count(); ++v) {
-        target[v] = v;
-        const glm::dvec3 p(mesh.positions[v]);
-        if (!is_finite(mesh.positions[v])) continue;
-        if (tolerance == 0) {
-            target[v] = equal[v];
-            if (parts[equal[v]] != parts[v]) {
-                const std::uint64_t key = std::uint64_t(equal[v]) << 32 | parts[v];
-                target[v] = firsts.emplace(key, v).first->second;
-            }
-        } else {
-            const glm::vec3& at = mesh.positions[v];
-            const Cell home{cell_along(at.x, tolerance), cell_along(at.y, tolerance),
-                            cell_along(at.z, tolerance)};
-            Index best = no_index;
-            for (int k = 0; k < 27; ++k) {
-                const Cell near{home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1};
-                const auto found = cells.find(near);
-                if (found == cells.end()) continue;
-                for (const Index u : found->second)
-                    if (u < best && parts[u] == parts[v] &&
-                        glm::length(glm::dvec3(mesh.positions[u]) - p) <= tolerance)
-                        best = u;
-            }
-            if (best != no_index)
-                target[v] = best;
-            else
-                cells[home].push_back(v);
-        }
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
         if (target[v] != v && used[v]) moved.add(v);
-    }
     step.changed = moved.count;
     step.places = std::move(moved.first);
-    if (step.changed == 0) return step;
-    put_in_place(mesh, target);
+    if (step.changed > 0) put_in_place(mesh, target);
     return step;
 }
 

@@ -33,9 +33,9 @@ void take_influences(Mesh& mesh, const std::vector<Index>& target) {
 // Parts join a layer one after the other, in their order; what would lie on it goes to the next.
 class PartJoints {
   public:
-    PartJoints(const Mesh& mesh, int threads)
+    PartJoints(const Mesh& mesh, const std::vector<Index>& points)
         : mesh_(mesh),
-          points_(weld_exact(mesh.positions, threads)),
+          points_(points),
           target_(mesh.vertex_count()),
           is_shared_(mesh.vertex_count(), 0) {
         std::iota(target_.begin(), target_.end(), Index(0));
@@ -142,7 +142,7 @@ class PartJoints {
     }
 
     const Mesh& mesh_;
-    std::vector<Index> points_;  // by vertex, the first at its position
+    const std::vector<Index>& points_;  // by vertex, the first of its point
     std::vector<Index> target_;
     std::vector<std::uint8_t> is_shared_;  // by point: several parts have it
     std::vector<Layer> layers_;
@@ -151,11 +151,11 @@ class PartJoints {
 
 }  // namespace
 
-std::uint64_t join_parts(Mesh& mesh, int threads) {
+std::uint64_t join_parts(Mesh& mesh, const std::vector<Index>& points) {
     if (!mesh.tied_to_file || mesh.face_parts.empty()) return 0;
     const auto [low, high] = std::minmax_element(mesh.face_parts.begin(), mesh.face_parts.end());
     if (*low == *high) return 0;
-    PartJoints joints(mesh, threads);
+    PartJoints joints(mesh, points);
     joints.run();
     take_influences(mesh, joints.target());
     put_in_place(mesh, joints.target());

@@ -64,12 +64,24 @@ std::vector<std::uint32_t> parts_of_vertices(const Mesh& mesh);
 void put_in_place(Mesh& mesh, const std::vector<std::uint32_t>& target);
 
 RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads);
-// After it: vertices that several parts have at one position become one, for the surface of a cage
+
+// By vertex the one that stands for its point: the first at its position, and of those that joints
+// or morph targets move apart (lips, eyelids) the first that moves as it does. `apart`: how many
+// points that faces have are at the position of another.
+struct MovingPoints {
+    std::vector<std::uint32_t> first;
+    std::uint64_t apart = 0;
+};
+MovingPoints moving_points(const Mesh& mesh, int threads);
+
+// Vertices of one point and one part become one.
+void weld_points(Mesh& mesh, const std::vector<std::uint32_t>& points);
+// After it: vertices that several parts have at one point become one, for the surface of a cage
 // goes on from part to part; each gets vertices of its own again when it is split. Where parts lie
 // on each other (linings, decals), so that an edge would have more than two faces or a face would
 // be there twice, their points stay apart: says how many. Positions and deltas of morph targets are
 // those of the first part, skin weights those of the first that has any.
-std::uint64_t join_parts(Mesh& mesh, int threads);
+std::uint64_t join_parts(Mesh& mesh, const std::vector<std::uint32_t>& points);
 RepairStep remove_degenerate_faces(Mesh& mesh, int threads);
 RepairStep remove_duplicate_faces(Mesh& mesh, int threads);
 RepairStep split_non_manifold_edges(Mesh& mesh, int threads);

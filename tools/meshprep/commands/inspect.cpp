@@ -196,6 +196,8 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
             say(fmt::format("  {}: {}", name_or(scene.materials[m].name, "material", m),
                             fmt::join(maps, ", ")));
     }
+    if (scene.materials.size() > most)
+        say(fmt::format("  … and {} more materials", scene.materials.size() - most));
     for (const std::string& line : conventions_text(conventions, scene)) say("  " + line);
     std::vector<std::string> names;
     for (const prep::Mesh& mesh : scene.meshes) names.push_back(mesh.name);

@@ -70,8 +70,8 @@ Option add_camera_options(OptionSet& options, CameraWishes& c) {
         "--fov", "DEG",
         [&c](const std::string& text) {
             const std::vector<double> degrees = parse_numbers(text, ',');
-            if (degrees.size() != 1 || !(degrees[0] >= 0.01 && degrees[0] <= 175))
-                usage_error("--fov", "not an angle from 0.01 to 175 degrees");
+            if (degrees.size() != 1 || !(degrees[0] >= 0.01 && degrees[0] <= 179))
+                usage_error("--fov", "not an angle from 0.01 to 179 degrees");
             c.yfov = degrees[0] * std::numbers::pi / 180;
         },
         "Angle of view from the picture's bottom to its top");

@@ -58,8 +58,8 @@ glm::vec3 parse_color(const std::string& option, const std::string& text) {
         usage_error(option, "'" + text +
                                 "' is not a colour; give #rrggbb, or linear R,G,B such as 1,0.5,0");
     for (const double n : numbers)
-        if (n < 0 || n > 1000)
-            usage_error(option, "'" + text + "' has a component outside 0 to 1000");
+        if (n < 0 || n > 1e6)
+            usage_error(option, "'" + text + "' has a component outside 0 to 1e6");
     return {numbers[0], numbers[1], numbers[2]};
 }
 

@@ -28,6 +28,9 @@ class SkinImport {
         for (unsigned m = 0; m < import_.from.mNumMeshes; ++m)
             if (import_.from.mMeshes[m]->mNumBones > 0) mesh(m);
         import_.warn(lost_bones_, "bone", "bones", "without a node of that name: left out");
+        import_.warn(beyond_, "bone", "bones",
+                     "beyond the " + std::to_string(most_joints) +
+                         " that a skin can number left out with their weights");
         import_.warn(bad_weights_, "weight", "weights",
                      "of bones negative, not finite or of a vertex that is not there: left out");
         import_.warn(
@@ -42,7 +45,11 @@ class SkinImport {
   private:
     std::vector<std::vector<Influence>> influences(const aiMesh& in, Skin& skin) {
         std::vector<std::vector<Influence>> of_vertices(in.mNumVertices);
-        for (unsigned b = 0; b < in.mNumBones && skin.joints.size() < most_joints; ++b) {
+        for (unsigned b = 0; b < in.mNumBones; ++b) {
+            if (skin.joints.size() >= most_joints) {
+                beyond_ += in.mNumBones - b;
+                break;
+            }
             const aiBone& bone = *in.mBones[b];
             const AssimpNodes::Target* target = import_.nodes.find(bone.mName);
             if (!target) {
@@ -177,7 +184,7 @@ class SkinImport {
 
     AssimpImport& import_;
     Scene& scene_;
-    std::uint64_t lost_bones_ = 0, bad_weights_ = 0, too_many_ = 0, loose_ = 0;
+    std::uint64_t lost_bones_ = 0, beyond_ = 0, bad_weights_ = 0, too_many_ = 0, loose_ = 0;
     std::set<std::string> shared_names_;
 };
 

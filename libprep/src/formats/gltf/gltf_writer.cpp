@@ -50,7 +50,28 @@ struct Encoded {
     Json document;       // its buffers are still to be added
     BinaryParts binary;  // in part the prepared scene's own arrays
     std::uint64_t fallback_bytes = 0;
+    Json told = Json::object();  // of the source's buffer, what goes on the one that is written
+
+    Json buffers() const {
+        Json all = buffers_of(binary.size(), fallback_bytes);
+        if (!binary.empty()) all[0].update(told);
+        return all;
+    }
 };
+
+// One buffer's name and extras; of several, whose data become one, that they have some is told.
+Json told_of_buffers(const Json& document, std::vector<std::string>& notes) {
+    Json told = Json::object();
+    const auto buffers = document.find("buffers");
+    if (buffers == document.end() || !buffers->is_array()) return told;
+    for (const Json& buffer : *buffers)
+        for (const char* member : {"name", "extras"})
+            if (const auto found = buffer.find(member); found != buffer.end())
+                told[member] = *found;
+    if (buffers->size() == 1 || told.empty()) return told;
+    notes.push_back("the file's buffers became one: their names and extras were left out");
+    return Json::object();
+}
 
 // Whether a document has data by either codec: rounded anew, all of them are compressed by it.
 CompressionPlan compression_of(const GltfDocument& document) {
@@ -114,6 +135,7 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
         auto rewritten = rewrite_gltf(prepared, rounds ? Compression::none : compression, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);
+        out.told = told_of_buffers(document->json, notes);
         packed = std::move(rewritten->packed);
         plan = std::move(rewritten->plan);
         if (rounds && compression == Compression::keep) plan = compression_of(*document);
@@ -182,7 +204,7 @@ WriteResult write_separate(const PreparedScene& prepared, const std::filesystem:
     if (!encoded->binary.empty()) {
         std::filesystem::path bin = path;
         bin.replace_extension(".bin");
-        encoded->document["buffers"] = buffers_of(encoded->binary.size(), encoded->fallback_bytes);
+        encoded->document["buffers"] = encoded->buffers();
         encoded->document["buffers"][0]["uri"] = percent_encoded(bin.filename().string());
         if (auto done = files.add(bin, encoded->binary.parts()); !done)
             return std::move(done).error();
@@ -209,8 +231,7 @@ Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::strin
     auto encoded = encode(prepared, options, notes);
     if (!encoded) return std::move(encoded).error();
     GlbFile out;
-    if (!encoded->binary.empty())
-        encoded->document["buffers"] = buffers_of(encoded->binary.size(), encoded->fallback_bytes);
+    if (!encoded->binary.empty()) encoded->document["buffers"] = encoded->buffers();
     out.binary = std::move(encoded->binary);
     auto json = text_of(encoded->document, -1);
     if (!json) return std::move(json).error();

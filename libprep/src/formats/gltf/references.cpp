@@ -5,6 +5,7 @@
 #include <set>
 
 #include "text/name_list.h"
+#include "text/note_once.h"
 
 namespace prep::detail {
 namespace {
@@ -91,7 +92,7 @@ namespace {
 // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
 template <class VisitAll>
 std::vector<std::size_t> compact(Json& json, const char* key, bool keep_all,
-                                 const VisitAll& visit_all) {
+                                 const VisitAll& visit_all, bool& lost_extras) {
     std::vector<std::size_t> kept;
     const auto list = json.find(key);
     if (list == json.end() || !list->is_array()) return kept;
@@ -103,7 +104,10 @@ std::vector<std::size_t> compact(Json& json, const char* key, bool keep_all,
     std::vector<std::size_t> renumbered(list->size(), 0);
     Json out = Json::array();
     for (std::size_t i = 0; i < list->size(); ++i) {
-        if (!used[i]) continue;
+        if (!used[i]) {
+            lost_extras |= (*list)[i].contains("extras");
+            continue;
+        }
         renumbered[i] = kept.size();
         kept.push_back(i);
         out.push_back(std::move((*list)[i]));
@@ -200,13 +204,17 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
         if (Json* names = member(json, list); names && names->is_array())
             for (const Json& name : *names)
                 keep_all |= !name.is_string() || !references_known(name.get<std::string>());
-    const std::string note = "an extension is in use that may refer to any data: none was dropped";
-    if (keep_all && std::find(notes.begin(), notes.end(), note) == notes.end())
-        notes.push_back(note);
-    compact(json, "accessors", keep_all,
-            [&](const ReferenceVisit& v) { visit_accessors(json, v); });
+    if (keep_all)
+        note_once(notes, "an extension is in use that may refer to any data: none was dropped");
+    bool lost_extras = false;
+    compact(
+        json, "accessors", keep_all, [&](const ReferenceVisit& v) { visit_accessors(json, v); },
+        lost_extras);
     const std::vector<std::size_t> views = compact(
-        json, "bufferViews", keep_all, [&](const ReferenceVisit& v) { visit_views(json, v); });
+        json, "bufferViews", keep_all, [&](const ReferenceVisit& v) { visit_views(json, v); },
+        lost_extras);
+    if (lost_extras)
+        note_once(notes, "extras of accessors and bufferViews that no longer stand were left out");
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
         const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;

@@ -99,9 +99,10 @@ Result<void> VertexData::append(const std::string& semantic, const RawAccessor& 
 Result<void> VertexData::append_named(const std::string& name, const RawAccessor& raw,
                                       const std::string& pointer, std::size_t first, Mesh& mesh) {
     VertexAttribute& to = mesh.vertex_attributes[named_index_.at(name)];
-    if (to.values.empty()) {
-        to.width = Index(raw.width);
-        named_width_ += to.width;
+    // Each primitive may have it in a type of its own: the widest holds them all.
+    if (to.values.empty() || Index(raw.width) > to.width) {
+        named_width_ += Index(raw.width) - (to.values.empty() ? 0 : to.width);
+        if (auto done = widen(to, Index(raw.width), pointer); !done) return done;
     }
     if (auto done = budget_.spend(
             (first + raw.count) * to.width * sizeof(float) - to.values.size() * sizeof(float),
@@ -110,6 +111,19 @@ Result<void> VertexData::append_named(const std::string& name, const RawAccessor
         return done;
     to.values.resize((first + raw.count) * to.width, 0.0f);
     if (raw.count > 0) write_floats(raw, int(to.width), &to.values[first * to.width]);
+    return {};
+}
+
+Result<void> VertexData::widen(VertexAttribute& attribute, Index width,
+                               const std::string& pointer) {
+    const std::size_t vertices = attribute.values.size() / attribute.width;
+    if (auto done = budget_.spend(vertices * (width - 1) * sizeof(float), pointer); !done)
+        return done;
+    std::vector<float> values(vertices * width, 0.0f);
+    for (std::size_t v = 0; v < vertices; ++v)
+        std::copy_n(&attribute.values[v * attribute.width], attribute.width, &values[v * width]);
+    attribute.values = std::move(values);
+    attribute.width = width;
     return {};
 }
 

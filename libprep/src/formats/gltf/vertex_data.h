@@ -86,6 +86,7 @@ class VertexData {
 
     Result<void> append_named(const std::string& name, const RawAccessor& raw,
                               const std::string& pointer, std::size_t first, Mesh& mesh);
+    Result<void> widen(VertexAttribute& attribute, std::uint32_t width, const std::string& pointer);
 
     const GltfDocument& d_;
     DecodeBudget& budget_;

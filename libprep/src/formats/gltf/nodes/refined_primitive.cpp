@@ -48,7 +48,7 @@ class RefinedPrimitive {
         if (const auto set = set_number(name, "WEIGHTS_"); set && *set < influence_sets())
             return add(normalised(*set), "VEC4");
         for (const VertexAttribute& a : faces_.vertex_attributes)
-            if (a.name == name && !a.values.empty()) return named(a);
+            if (a.name == name && !a.values.empty()) return named(a, before);
         return std::nullopt;
     }
     // Sets of influences there may be more of than the file had, or fewer.
@@ -150,14 +150,17 @@ class RefinedPrimitive {
         }
         return own;
     }
-    std::size_t named(const VertexAttribute& a) {
-        std::vector<float> own(used_.size() * a.width);
+    // In the type that this primitive had: others may have had a wider one.
+    std::size_t named(const VertexAttribute& a, const Json& before) {
+        const std::string type = before.at("type");
+        const std::size_t width = std::min<std::size_t>(std::size_t(components_of(type)), a.width);
+        std::vector<float> own(used_.size() * width);
         for (std::size_t i = 0; i < used_.size(); ++i) {
             const std::size_t from = std::size_t(corners_[i]) * a.width;
-            for (std::size_t k = 0; k < a.width && from + k < a.values.size(); ++k)
-                own[i * a.width + k] = a.values[from + k];
+            for (std::size_t k = 0; k < width && from + k < a.values.size(); ++k)
+                own[i * width + k] = a.values[from + k];
         }
-        return add(std::move(own), type_of_width(int(a.width)));
+        return add(std::move(own), type.c_str());
     }
 
     const PreparedScene& prepared_;
