@@ -54,6 +54,9 @@ class MeshPreparation {
     Result<void> subdivide_mesh();
     // The same, as fine as an error asks, and displaced.
     Result<void> tessellate_mesh();
+    bool is_not_tessellated();
+    Result<TessellateOptions> tessellate_options() const;
+    void report_not_tessellated();
     // What the residual normal maps will need, and the tangents that they call for.
     void choose_residuals(const TessellateOptions& options);
     ResidualMaps::Report residual_report();

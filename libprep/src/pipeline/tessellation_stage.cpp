@@ -120,30 +120,26 @@ std::vector<std::vector<MeshInstance>> instances_of(const Scene& scene) {
     return instances;
 }
 
-Result<void> MeshPreparation::tessellate_mesh() {
+// Whether the mesh stays as it is, which is told.
+bool MeshPreparation::is_not_tessellated() {
     if (mesh_.face_count() == 0) {
         log_.skipped("tessellate", "there are no faces");
-        return {};
+        return true;
     }
-    if (const char* const what = !mesh_.morph_targets.empty()     ? "morph targets"
-                                 : !mesh_.skin_influences.empty() ? "skin weights"
-                                                                  : nullptr) {
-        log_.skipped("tessellate", std::string("the mesh has ") + what);
-        add_finding("moving-mesh-kept", Severity::warning, mesh_.face_count(), {},
-                    std::string("faces are left as they are, neither displaced nor refined: the "
-                                "mesh has ") +
-                        what + ", which would not fit the new points",
-                    PlaceKind::face);
-        return {};
-    }
-    const DisplaceOptions& displacement = options_.displacement;
-    const bool asks_for_heights =
-        displacement.map || displacement.noise || displacement.from_materials;
-    if (auto done = options_.subdivide
-                        ? make_cage()
-                        : weld_cage("triangles on both sides of a seam share their points");
-        !done)
-        return done;
+    const char* const what = !mesh_.morph_targets.empty()     ? "morph targets"
+                             : !mesh_.skin_influences.empty() ? "skin weights"
+                                                              : nullptr;
+    if (what == nullptr) return false;
+    log_.skipped("tessellate", std::string("the mesh has ") + what);
+    add_finding("moving-mesh-kept", Severity::warning, mesh_.face_count(), {},
+                std::string("faces are left as they are, neither displaced nor refined: the "
+                            "mesh has ") +
+                    what + ", which would not fit the new points",
+                PlaceKind::face);
+    return true;
+}
+
+Result<TessellateOptions> MeshPreparation::tessellate_options() const {
     TessellateOptions options = options_.tessellation;
     if (options_.subdivide) options.scheme = options_.subdivision.scheme;
     options.subdivision = options_.subdivision;
@@ -155,9 +151,23 @@ Result<void> MeshPreparation::tessellate_mesh() {
         if (!screens) return std::move(screens).error();
         options.screens = std::move(*screens);
     }
+    return options;
+}
+
+Result<void> MeshPreparation::tessellate_mesh() {
+    if (is_not_tessellated()) return {};
+    if (auto done = options_.subdivide
+                        ? make_cage()
+                        : weld_cage("triangles on both sides of a seam share their points");
+        !done)
+        return done;
+    auto chosen = tessellate_options();
+    if (!chosen) return std::move(chosen).error();
+    TessellateOptions options = *std::move(chosen);
+    const DisplaceOptions& displacement = options_.displacement;
     std::vector<std::string> pictures;
     std::vector<Displacement> as_read;
-    if (asks_for_heights) {
+    if (displacement.map || displacement.noise || displacement.from_materials) {
         auto maps = log_.run("height maps", "displacement was asked for", [&] {
             return maps_.of(out_.scene, mesh_,
                             options_.subdivide ? &options_.subdivision : nullptr);
@@ -177,7 +187,6 @@ Result<void> MeshPreparation::tessellate_mesh() {
     if (!has_goal(options)) choose_goal(mesh_, options);
     const std::string reason =
         surface_of(options, pictures, displacement.band_limit) + ": " + goal_of(options);
-    const std::size_t attributes = mesh_.vertex_attributes.size();
     choose_residuals(options);
     // A limit surface has its own; those of polygons are interpolated.
     if (!options_.subdivide) {
@@ -195,21 +204,24 @@ Result<void> MeshPreparation::tessellate_mesh() {
         if (!as_read.empty()) baking_->options.displacements = std::move(as_read);
     }
     report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
-    // A document keeps lines and points, and what they have; it tells which of the faces' went.
-    if (!(mesh_.tied_to_file && options_.document_stays)) {
-        add_finding("attribute-left-out", Severity::warning, attributes, {},
-                    "the file's attributes of other names do not go through tessellation",
-                    PlaceKind::vertex);
-        add_finding(
-            "loose-parts-left-out", Severity::warning,
-            mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1),
-            {}, "lines and points do not go through tessellation", PlaceKind::vertex);
-    }
+    report_not_tessellated();
     report_certificate(made->certificate, baking_ ? baking_->options : options);
     take_surface(std::move(made->mesh));
     if (options_.keep_cages) out_.tessellation_errors[index_] = std::move(made->errors);
     out_.tessellated[index_] = made->certificate;
     return {};
+}
+
+// A document keeps lines and points, and what they have; it tells which of the faces' went.
+void MeshPreparation::report_not_tessellated() {
+    if (mesh_.tied_to_file && options_.document_stays) return;
+    add_finding("attribute-left-out", Severity::warning, mesh_.vertex_attributes.size(), {},
+                "the file's attributes of other names do not go through tessellation",
+                PlaceKind::vertex);
+    add_finding(
+        "loose-parts-left-out", Severity::warning,
+        mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1), {},
+        "lines and points do not go through tessellation", PlaceKind::vertex);
 }
 
 void MeshPreparation::choose_residuals(const TessellateOptions& options) {

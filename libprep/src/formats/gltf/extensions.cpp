@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "text/note_once.h"
+
 namespace prep::detail {
 namespace {
 
@@ -84,10 +86,8 @@ bool listed(const Json& json, const char* list, std::string_view name) {
 void leave_out(Json& extensions, const std::string& name, std::vector<std::string>& notes) {
     extensions.erase(name);
     const GltfExtension* const row = gltf_extension(name);
-    std::string note = "extension " + name + " (" + std::string(row->reason) +
-                       ") no longer fits primitives whose vertices changed: left out there";
-    if (std::find(notes.begin(), notes.end(), note) == notes.end())
-        notes.push_back(std::move(note));
+    note_once(notes, "extension " + name + " (" + std::string(row->reason) +
+                         ") no longer fits primitives whose vertices changed: left out there");
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "formats/gltf/values/primitive_vertices.h"
 #include "formats/gltf/values/value_repair.h"
 #include "normals/authored_normals.h"
+#include "text/note_once.h"
 
 namespace prep::detail {
 namespace {
@@ -54,7 +55,7 @@ class Rewriter {
         if (!keeps_meshopt_) remove_meshopt();
         declare_compression(json_);
         embed_pictures(prepared_.scene.images, json_, appended_,
-                       [&](const std::string& text) { note_once(text); });
+                       [&](const std::string& text) { note_once(notes_, text); });
         if (auto done = place_document(prepared_.scene, document_, json_, appended_); !done)
             return std::move(done).error();
         note_non_finite_data(document_, json_, notes_);
@@ -92,10 +93,6 @@ class Rewriter {
         std::vector<AttributeMap> targets;
     };
 
-    void note_once(const std::string& text) {
-        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
-    }
-
     Result<void> mesh(Index m) {
         const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
         const VertexMesh& mesh = prepared_.meshes[m];
@@ -117,6 +114,26 @@ class Rewriter {
         return {};
     }
 
+    // What each vertex in use is of the file's.
+    Elements elements_of(Index m, const GltfPrimitive& source,
+                         const std::vector<Index>& used) const {
+        const VertexMesh& mesh = prepared_.meshes[m];
+        const Mesh& faces = prepared_.scene.meshes[m];
+        Elements elements;
+        const bool by_corner = !faces.corner_file_vertices.empty();
+        elements.of_vertices.resize(used.size());
+        if (by_corner) elements.of_corners.resize(used.size());
+        for (std::size_t k = 0; k < used.size(); ++k) {
+            const Index v = mesh.source_vertices[used[k]], c = mesh.source_corners[used[k]];
+            const Index of_vertex = faces.file_vertex(v);
+            elements.of_vertices[k] = source.element_of(of_vertex - source.first_vertex);
+            if (!by_corner) continue;
+            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertex(c);
+            elements.of_corners[k] = source.element_of(of_corner - source.first_vertex);
+        }
+        return elements;
+    }
+
     Result<void> primitive(Index m, std::size_t p, PrimitiveTriangles triangles) {
         const GltfPrimitive& source = document_.primitives[m][p];
         const VertexMesh& mesh = prepared_.meshes[m];
@@ -131,7 +148,8 @@ class Rewriter {
                              "be written",
                              document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
                                              std::to_string(p))};
-            note_once("primitives without a triangle of finite positions were left as they are");
+            note_once(notes_,
+                      "primitives without a triangle of finite positions were left as they are");
             return {};
         }
         const UsedVertices used = number_used(mesh, triangles);
@@ -140,21 +158,7 @@ class Rewriter {
             refined(m, p, used.list, indices);
             return {};
         }
-        const Mesh& faces = prepared_.scene.meshes[m];
-        Elements elements;
-        const bool by_corner = !faces.corner_file_vertices.empty();
-        elements.of_vertices.resize(used.list.size());
-        if (by_corner) elements.of_corners.resize(used.list.size());
-        for (std::size_t k = 0; k < used.list.size(); ++k) {
-            const Index v = mesh.source_vertices[used.list[k]];
-            const Index c = mesh.source_corners[used.list[k]];
-            const Index of_vertex = faces.file_vertex(v);
-            elements.of_vertices[k] = source.element_of(of_vertex - source.first_vertex);
-            if (!by_corner) continue;
-            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertex(c);
-            elements.of_corners[k] = source.element_of(of_corner - source.first_vertex);
-        }
-
+        const Elements elements = elements_of(m, source, used.list);
         Json& out = json_["meshes"][m]["primitives"][p];
         DracoCoding coding;
         if (keeps_draco_ && !source.draco.empty()) {
@@ -226,10 +230,11 @@ class Rewriter {
         const bool tangents = out["attributes"].contains("TANGENT") || wants_tangents(m, out);
         if ((keeps_draco_ && !document_.primitives[m][p].draco.empty()) ||
             (keeps_meshopt_ && meshopt_.has_part_of(out)))
-            note_once("refined primitives are written uncompressed: --compress draco or meshopt");
+            note_once(notes_,
+                      "refined primitives are written uncompressed: --compress draco or meshopt");
         if (out.contains("extensions") && out["extensions"].contains("EXT_mesh_features")) {
             remove_extension(out, "EXT_mesh_features");
-            note_once("feature IDs of refined primitives were left out");
+            note_once(notes_, "feature IDs of refined primitives were left out");
         }
         write_refined_primitive(prepared_, m, used, indices, tangents, appended_, json_, out,
                                 lost_);
@@ -322,7 +327,7 @@ class Rewriter {
 
     bool note_repairs(unsigned kinds) {
         for (unsigned k = 0; k < repair_kinds; ++k)
-            if (kinds >> k & 1u) note_once(repair_notes[k]);
+            if (kinds >> k & 1u) note_once(notes_, repair_notes[k]);
         changed_ |= kinds != 0;
         return kinds != 0;
     }
@@ -405,7 +410,7 @@ class Rewriter {
         for (glm::vec3& n : result)
             if (!is_finite(n)) {
                 n = glm::vec3(0, 0, 1);
-                note_once("normals that are not finite were written as (0, 0, 1)");
+                note_once(notes_, "normals that are not finite were written as (0, 0, 1)");
                 changed_ = true;
             }
         return VertexVectors<glm::vec3>(std::move(result));
@@ -423,14 +428,14 @@ class Rewriter {
             changed_ = true;
             if (is_finite(glm::vec3(t))) {
                 t.w = 1;
-                note_once("signs of tangents that are not finite were written as 1");
+                note_once(notes_, "signs of tangents that are not finite were written as 1");
                 continue;
             }
             glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals.values()[i];
             if (n == glm::vec3(0.0f)) n = glm::vec3(0, 0, 1);
             const glm::vec3 axis = std::abs(n.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
             t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
-            note_once("tangents that are not finite were replaced by any in the surface");
+            note_once(notes_, "tangents that are not finite were replaced by any in the surface");
         }
         return VertexVectors<glm::vec4>(std::move(result));
     }
