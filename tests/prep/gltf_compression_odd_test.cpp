@@ -216,4 +216,32 @@ TEST(GltfCompressionOdd, PositionsThatAreNotFiniteStayUncompressed) {
     }
 }
 
+// Draco takes time by the square of a point's triangles where it changes the order.
+TEST(GltfCompressionOdd, PolesOfVeryManyTrianglesKeepTheirOrder) {
+    const test::TempDir dir;
+    for (const std::uint32_t around : {1000u, 40'000u}) {
+        std::vector<float> points{0, 0, 1};
+        std::vector<std::uint32_t> indices;
+        for (std::uint32_t k = 0; k < around; ++k) {
+            const double angle = 2 * 3.14159265358979 * k / around;
+            points.insert(points.end(), {float(std::cos(angle)), float(std::sin(angle)), 0});
+            indices.insert(indices.end(), {0, k + 1, (k + 1) % around + 1});
+        }
+        Maker d;
+        const Maker::Json attributes{{"POSITION", d.accessor(points, "VEC3")}};
+        d.mesh({{{"attributes", attributes}, {"indices", d.accessor(indices, "SCALAR")}}});
+        auto scene = d.read();
+        ASSERT_TRUE(scene) << prep::to_string(scene.error());
+        const std::vector<glm::vec3> before = scene->meshes[0].positions;
+        prep::SaveOptions options;
+        options.compression = Compression::draco;
+        ASSERT_TRUE(
+            prep::save_scene(test::untouched(*std::move(scene)), dir / "cone.glb", options));
+        const auto again = prep::load_scene(dir / "cone.glb");
+        ASSERT_TRUE(again) << prep::to_string(again.error());
+        EXPECT_EQ(again->meshes[0].face_count(), around);
+        EXPECT_EQ(again->meshes[0].positions == before, around > 32'768);
+    }
+}
+
 }  // namespace

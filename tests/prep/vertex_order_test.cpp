@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <deque>
 #include <limits>
@@ -226,6 +227,26 @@ TEST(VertexOrder, IsNeverWorseHoweverOddTheMesh) {
         ASSERT_EQ(shaded(rows), rows.vertex_count()) << width;
         prep::optimize_order(rows);
         EXPECT_EQ(shaded(rows), rows.vertex_count()) << width;
+    }
+}
+
+// More triangles around a vertex than meshoptimizer is given of one at a time.
+TEST(VertexOrder, PolesKeepTheirTrianglesAndTheCacheHoldsThem) {
+    for (const Index around : {1023u, 1024u, 1025u, 8000u}) {
+        shapes::Faces faces;
+        std::vector<glm::vec3> points{{0, 0, 1}};
+        for (Index k = 0; k < around; ++k) {
+            const double angle = 2 * 3.14159265358979 * k / around;
+            points.emplace_back(std::cos(angle), std::sin(angle), 0);
+            faces.push_back({0, k + 1, (k + 1) % around + 1});
+        }
+        const Mesh mesh = scrambled(shapes::mesh_of(points, faces), around);
+        const VertexMesh before = split_of(mesh);
+        VertexMesh now = before;
+        const prep::Reordered done = prep::optimize_order(now);
+        ASSERT_NO_FATAL_FAILURE(expect_places_alone(mesh, before, now, done.old_vertices));
+        // One vertex of the rim a triangle, and now and then the pole again.
+        EXPECT_LT(shaded(now), around + around / 7);
     }
 }
 

@@ -58,16 +58,22 @@ std::vector<std::string> inner_parts(const std::string& name) {
 PictureSearch::PictureSearch(fs::path directory, std::vector<fs::path> texture_directories)
     : directory_(std::move(directory)), extra_(std::move(texture_directories)) {}
 
-const std::vector<std::string>& PictureSearch::entries(const fs::path& directory) {
+const std::vector<std::string>& PictureSearch::entries(const fs::path& directory,
+                                                       const std::string& name) {
+    static const std::vector<std::string> none;
     const auto [it, added] = listings_.try_emplace(directory.string());
+    Listing& listing = it->second;
     if (added) {
         std::error_code ec;
         fs::directory_iterator at(directory.empty() ? fs::path(".") : directory, ec), end;
-        for (; !ec && at != end; at.increment(ec))
-            it->second.push_back(at->path().filename().string());
-        std::sort(it->second.begin(), it->second.end());
+        for (; !ec && at != end; at.increment(ec)) {
+            std::string entry = at->path().filename().string();
+            listing[lower_case(entry)].push_back(std::move(entry));
+        }
+        for (auto& [lower, spellings] : listing) std::sort(spellings.begin(), spellings.end());
     }
-    return it->second;
+    const auto found = listing.find(lower_case(name));
+    return found == listing.end() ? none : found->second;
 }
 
 std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
@@ -81,15 +87,11 @@ std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
         };
         fs::path next = path / parts[p];
         if (!fits(next)) {
-            const std::string wanted = lower_case(parts[p]);
-            bool found = false;
-            for (const std::string& entry : entries(path)) {
-                if (lower_case(entry) != wanted || !fits(path / entry)) continue;
-                next = path / entry;
-                found = true;
-                break;
-            }
-            if (!found) return std::nullopt;
+            const std::vector<std::string>& all = entries(path, parts[p]);
+            const auto entry = std::find_if(all.begin(), all.end(),
+                                            [&](const std::string& e) { return fits(path / e); });
+            if (entry == all.end()) return std::nullopt;
+            next = path / *entry;
         }
         path = std::move(next);
     }
@@ -137,13 +139,9 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
                     fs::path there = place;
                     // The folders themselves may be in capitals: "Textures".
                     if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
-                        const std::string folder = lower_case(place.filename().string());
-                        const auto& all = entries(place.parent_path());
-                        const auto it = std::find_if(all.begin(), all.end(), [&](const auto& e) {
-                            return lower_case(e) == folder;
-                        });
-                        if (it == all.end()) continue;
-                        there = place.parent_path() / *it;
+                        const auto& all = entries(place.parent_path(), place.filename().string());
+                        if (all.empty()) continue;
+                        there = place.parent_path() / all.front();
                     }
                     if (auto path = in_any_case(there, parts)) return path;
                 }
@@ -155,8 +153,7 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
 
 fs::path PictureSearch::find(const std::string& name) {
     if (auto path = locate(name)) return *std::move(path);
-    if (std::find(missing_.begin(), missing_.end(), name) == missing_.end())
-        missing_.push_back(name);
+    if (is_missing_.insert(name).second) missing_.push_back(name);
     return (directory_ / portable(name)).lexically_normal();
 }
 

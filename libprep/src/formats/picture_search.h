@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,13 +44,17 @@ class PictureSearch {
   private:
     std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& base,
                                                      const std::vector<std::string>& parts);
-    const std::vector<std::string>& entries(const std::filesystem::path& directory);
+    // What a directory has of this name, in any capitals: in the order of bytes.
+    const std::vector<std::string>& entries(const std::filesystem::path& directory,
+                                            const std::string& name);
     std::vector<std::filesystem::path> sought_directories() const;
 
     std::filesystem::path directory_;
     std::vector<std::filesystem::path> extra_;
     std::vector<std::string> missing_;
-    std::map<std::string, std::vector<std::string>> listings_;  // sorted, by directory
+    std::set<std::string> is_missing_;
+    using Listing = std::map<std::string, std::vector<std::string>>;  // by name in small letters
+    std::map<std::string, Listing> listings_;                         // by directory
     std::map<std::string, std::optional<std::filesystem::path>> known_;
 };
 

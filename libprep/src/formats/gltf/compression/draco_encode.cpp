@@ -163,6 +163,21 @@ std::vector<std::uint32_t> places_of(const DracoSource& source, const RawAccesso
     return places;
 }
 
+// Draco 1.5 takes time by the square of a point's triangles before Edgebreaker: seconds from a
+// hundred thousand on.
+bool has_vast_pole(const DracoSource& source) {
+    constexpr std::uint32_t most = 1u << 15;
+    if (source.indices.size() / 3 <= most) return false;
+    for (const auto& [semantic, raw] : source.attributes) {
+        if (semantic != "POSITION") continue;
+        const std::vector<std::uint32_t> places = places_of(source, raw);
+        std::vector<std::uint32_t> uses(places.size(), 0);
+        for (const std::uint32_t v : source.indices)
+            if (++uses[places[v]] > most) return true;
+    }
+    return false;
+}
+
 // Edgebreaker follows edges between values of POSITION: those of a seam are one.
 bool share_values(draco::Mesh& mesh, const DracoSource& source, const std::vector<int>& ids) {
     for (std::size_t a = 0; a < ids.size(); ++a) {
@@ -279,7 +294,8 @@ Result<DracoCoding> draco_coding(const GltfDocument& document, const Json& primi
 std::optional<DracoData> encode_draco(const DracoSource& source, const DracoCoding& coding) {
     if (source.attributes.empty() || source.indices.size() < 3) return std::nullopt;
     try {
-        bool keeps_order = coding.keeps_order || names_a_vertex_twice(source);
+        bool keeps_order =
+            coding.keeps_order || names_a_vertex_twice(source) || has_vast_pole(source);
         auto data = encode(source, coding, keeps_order);
         // What Edgebreaker cannot follow it leaves out.
         if (!keeps_order && (!data || data->triangles != source.indices.size() / 3)) {
