@@ -5,10 +5,12 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <random>
 
 #include "hard_cases.h"
 #include "normal_oracle.h"
 #include "prep/corner_normals.h"
+#include "shapes.h"
 
 namespace {
 
@@ -145,6 +147,37 @@ TEST_F(Stability, Valences) {
 }
 TEST_F(Stability, CancellingSums) {
     check_axis("thickness");
+}
+
+// A polygon with a slit that ends at (1, 1, 1): doubles cannot tell its sides apart where it is
+// narrow, and the angle there is nearly a whole turn.
+TEST_F(Stability, SlitsOfPolygons) {
+    for (const float width : {1e-3f, 1e-10f, 1e-16f, 1e-17f, 1e-20f, 1e-30f})
+        check({"slit", width,
+               shapes::mesh_of({{1, 1, 1},
+                                {width, -width, 0},
+                                {3, -3, 0},
+                                {7, 1, 4},
+                                {1, 7, 4},
+                                {-3, 3, 0},
+                                {-width, width, 0},
+                                {0, 0, 5}},
+                               {{0, 1, 2, 3, 4, 5, 6}, {1, 0, 7}})});
+}
+
+// Quads of which every point has a scale of its own.
+TEST_F(Stability, QuadsOfManyScales) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> place(-0.3, 0.3), power(-30, 18);
+    for (int k = 0; k < 150; ++k) {
+        Mesh mesh = shapes::grid(3, 3);
+        for (glm::vec3& p : mesh.positions) {
+            const double scale = std::pow(10, power(random));
+            p = glm::vec3(scale * (glm::dvec3(p) +
+                                   glm::dvec3(place(random), place(random), 3 * place(random))));
+        }
+        check({"mixed quads", double(k), std::move(mesh)});
+    }
 }
 
 // The case without the faces that have a position that is not finite, and the corners it keeps.

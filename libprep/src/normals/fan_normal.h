@@ -30,13 +30,13 @@ inline glm::dvec3 unit_of(const glm::dvec3& v) {
     return scaled / std::sqrt(glm::dot(scaled, scaled));
 }
 
-// The sum of area vectors (w: sums of absolute components) that are good to relative_error, where
-// it is good enough; zero elsewhere.
+// The sum of area vectors (w: sums of absolute components) that are good to relative_error and
+// together to `error`, where it is good enough; zero elsewhere.
 inline glm::dvec3 trusted_area_sum(std::span<const glm::dvec4> terms, double relative_error,
-                                   double allowed_error) {
+                                   double allowed_error, double error = 0) {
     const OrderFreeSum sum = order_free_sum(terms);
     const double allowed = allowed_error * largest_component(sum.value);
-    return relative_error * sum.size + sum.error <= allowed ? sum.value : glm::dvec3(0.0);
+    return relative_error * sum.size + sum.error + error <= allowed ? sum.value : glm::dvec3(0.0);
 }
 
 template <class Steps>
@@ -89,27 +89,39 @@ class FanNormal {
     // Zero where the sum's error bound is not small enough against the sum.
     glm::dvec3 trusted_sum(std::span<const Index> corners, bool accurate) {
         const bool compute_areas = accurate && faces_.relative_error > accurate_face_error;
+        // The weights of triangles are good to a few ulps, less than the area vectors by far.
+        const double relative_error =
+            accurate ? 2 * accurate_face_error : fast_face_error + accurate_face_error;
         terms_.clear();
+        double largest_error = 0;  // of a weight; a sum of errors would depend on the order
         for (const Index c : corners) {
             const Index face = steps_.face(c);
-            const glm::dvec3 t = term(c, face,
-                                      compute_areas && faces_.states[face] == FaceState::regular
-                                          ? accurate_area_vector(mesh_, face)
-                                          : faces_.area_vectors[face]);
-            terms_.emplace_back(t, std::abs(t.x) + std::abs(t.y) + std::abs(t.z));
+            const Term t = term(c, face,
+                                compute_areas && faces_.states[face] == FaceState::regular
+                                    ? accurate_area_vector(mesh_, face)
+                                    : faces_.area_vectors[face]);
+            if (t.is_open) return glm::dvec3(0.0);
+            largest_error = std::max(largest_error, t.error);
+            terms_.emplace_back(t.value,
+                                std::abs(t.value.x) + std::abs(t.value.y) + std::abs(t.value.z));
         }
-        // The weights are good to a few ulps, less than the area vectors by far.
-        return trusted_area_sum(
-            terms_, accurate ? 2 * accurate_face_error : fast_face_error + accurate_face_error,
-            accurate ? accurate_normal_error : fast_normal_error);
+        return trusted_area_sum(terms_, relative_error,
+                                accurate ? accurate_normal_error : fast_normal_error,
+                                largest_error * double(corners.size()));
     }
 
+    struct Term {
+        glm::dvec3 value;
+        double error = 0;      // of the weight
+        bool is_open = false;  // the weight is not known at all
+    };
+
     // The corner's term: its face's normal, weighted; zero where the face has none.
-    glm::dvec3 term(Index corner, Index face, const glm::dvec3& area) const {
+    Term term(Index corner, Index face, const glm::dvec3& area) const {
         if (options_.weight == NormalWeight::area || faces_.states[face] != FaceState::regular)
-            return area;
+            return {area};
         const glm::dvec3 normal = unit_of(area);
-        if (options_.weight == NormalWeight::uniform) return normal;
+        if (options_.weight == NormalWeight::uniform) return {normal};
 
         const auto at = [&](Index c) { return mesh_.positions[mesh_.corner_vertices[c]]; };
         const glm::vec3 p = at(corner), next = at(steps_.next(corner)),
@@ -120,15 +132,22 @@ class FanNormal {
         const bool triangle = steps_.end(face) - steps_.begin(face) == 3;
         const glm::dvec3 cross = triangle ? area : corner_cross(p, next, previous);
         const double sine = glm::length(cross);  // times |e1||e2|
+        // Of an angle and its sine, where edges are rounded.
+        const double error = triangle ? 0 : 0x1p-49;
         if (options_.weight == NormalWeight::edge_length) {
             const double l1 = glm::dot(e1, e1), l2 = glm::dot(e2, e2);
-            return l1 > 0 && l2 > 0 ? normal * (sine / l1 / l2) : glm::dvec3(0.0);
+            if (!(l1 > 0) || !(l2 > 0)) return {glm::dvec3(0.0)};
+            return {normal * (sine / l1 / l2), triangle ? 0 : error / std::sqrt(l1 * l2)};
         }
         const double cosine = glm::dot(e1, e2);
-        if (sine == 0 && cosine == 0) return glm::dvec3(0.0);
+        if (sine == 0 && cosine == 0) return {glm::dvec3(0.0)};
         double angle = angle_of(sine, cosine);
-        if (!triangle && glm::dot(cross, normal) < 0) angle = 2 * pi - angle;
-        return (options_.weight == NormalWeight::angle ? normal : area) * angle;
+        const double turn = triangle ? sine : glm::dot(cross, normal);
+        if (turn < 0) angle = 2 * pi - angle;
+        const glm::dvec3 weighted = options_.weight == NormalWeight::angle ? normal : area;
+        // Edges that fold back on each other: nearly nothing, or nearly a whole turn.
+        const bool is_open = !triangle && std::abs(turn) <= error * cosine;
+        return {weighted * angle, error * largest_component(weighted), is_open};
     }
 
     glm::dvec3 fallback(std::span<const Index> corners, FanReport& report) {
