@@ -219,7 +219,7 @@ TEST(GltfCompressionOdd, PositionsThatAreNotFiniteStayUncompressed) {
 // Draco takes time by the square of a point's triangles where it changes the order.
 TEST(GltfCompressionOdd, PolesOfVeryManyTrianglesKeepTheirOrder) {
     const test::TempDir dir;
-    for (const std::uint32_t around : {1000u, 40'000u}) {
+    for (const std::uint32_t around : {1000u, 5000u}) {
         std::vector<float> points{0, 0, 1};
         std::vector<std::uint32_t> indices;
         for (std::uint32_t k = 0; k < around; ++k) {
@@ -240,7 +240,7 @@ TEST(GltfCompressionOdd, PolesOfVeryManyTrianglesKeepTheirOrder) {
         const auto again = prep::load_scene(dir / "cone.glb");
         ASSERT_TRUE(again) << prep::to_string(again.error());
         EXPECT_EQ(again->meshes[0].face_count(), around);
-        EXPECT_EQ(again->meshes[0].positions == before, around > 32'768);
+        EXPECT_EQ(again->meshes[0].positions == before, around > 4096);
     }
 }
 

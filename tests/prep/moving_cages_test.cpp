@@ -121,6 +121,7 @@ TEST_P(Lips, StayClosedWhereTheyMoveAlike) {
     const float half = 0.5F + 1.0F / 255;
     bind({{1, 0}, {1, 0}, {half, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}, {0.5F, 0.5F}, {0, 1}, {0, 1}});
     mesh_.skin_influences[0].joints[5] = {1, 0, 0, 0};
+    mesh_.skin_influences[0].weights[4] *= 3.0F;  // their sum says nothing
     EXPECT_EQ(refine(), 0U);
     // A primitive is written with points of its own.
     std::map<std::array<float, 3>, std::set<std::pair<float, float>>> weights;
@@ -131,6 +132,30 @@ TEST_P(Lips, StayClosedWhereTheyMoveAlike) {
     });
     for (const auto& [point, found] : weights) EXPECT_EQ(found.size(), 1U);
     EXPECT_EQ(weights.size(), 15U);
+}
+
+// What no face uses says nothing of how large the mesh is, and small motions count in large ones.
+TEST_P(Lips, OpenInMeshesMuchLargerThanTheirMotion) {
+    std::vector<glm::vec3> deltas(9, glm::vec3(0.0F));
+    for (std::size_t v = 4; v < 8; ++v) deltas[v].y = 1e-4F;
+    move(deltas);
+    mesh_.positions.emplace_back(7e4F, 0.0F, 0.0F);
+    mesh_.points = {8};
+    EXPECT_EQ(refine(), 2U);
+}
+
+// Eight weights of 8 bits, each a step away.
+TEST_P(Lips, StayClosedWhereEachOfEightWeightsIsRounded) {
+    for (int set = 0; set < 2; ++set) {
+        prep::SkinInfluences& s = mesh_.skin_influences.emplace_back();
+        for (std::uint32_t v = 0; v < 8; ++v) {
+            const float step = v < 4 ? 0.0F : 1.0F / 255;
+            s.joints.emplace_back(4 * set, 4 * set + 1, 4 * set + 2, 4 * set + 3);
+            s.weights.emplace_back(32.0F / 255 + step, 32.0F / 255 - step, 32.0F / 255 + step,
+                                   (set == 0 ? 32.0F : 31.0F) / 255 - step);
+        }
+    }
+    EXPECT_EQ(refine(), 0U);
 }
 
 // One lip of three is moved by nothing: it goes with the first that something moves.

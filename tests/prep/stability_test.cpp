@@ -165,6 +165,33 @@ TEST_F(Stability, SlitsOfPolygons) {
                                {{0, 1, 2, 3, 4, 5, 6}, {1, 0, 7}})});
 }
 
+// Quads with a corner whose plane is at right angles to the face's, exactly: it is convex, and the
+// whole numbers say so.
+TEST_F(Stability, CornersAtRightAnglesToTheirQuads) {
+    std::mt19937_64 random(5);
+    const auto whole = [&](int most) { return int(random() % (2 * most + 1)) - most; };
+    int found = 0;
+    while (found < 60) {
+        // The corner at the origin has the edges a and b; the area vector is c × (b − a) for the
+        // point c between them.
+        const glm::dvec3 a(whole(3), whole(3), whole(3)), b(whole(3), whole(3), whole(3));
+        const glm::dvec3 turn = glm::cross(a, b), d = glm::cross(b - a, turn);
+        // It is at right angles to a × b where c is to d.
+        const glm::dvec3 any(whole(3), whole(3), whole(3));
+        const glm::dvec3 c = any * glm::dot(d, d) - d * glm::dot(any, d);
+        if (turn == glm::dvec3(0.0) || glm::dot(glm::cross(c, b - a), turn) != 0) continue;
+        if (glm::length(c) > 0x1p23 || glm::cross(c, b - a) == glm::dvec3(0.0)) continue;
+        ++found;
+        check({"right angle", double(found),
+               shapes::mesh_of({{0, 0, 0},
+                                glm::vec3(a),
+                                glm::vec3(c),
+                                glm::vec3(b),
+                                glm::vec3(whole(9), whole(9), whole(9) + 20)},
+                               {{0, 1, 2, 3}, {1, 0, 4}})});
+    }
+}
+
 // Quads of which every point has a scale of its own.
 TEST_F(Stability, QuadsOfManyScales) {
     std::mt19937_64 random(11);

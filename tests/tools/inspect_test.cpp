@@ -404,7 +404,8 @@ TEST(Inspect, EachFileHasItsOwnVerdictAndOneFailureIsTheExitCode) {
 
 TEST(Inspect, WhatIsLeftOutOfLongListsIsTold) {
     const TempDir dir;
-    // A glTF file of 103 meshes, a triangle without area each, and 102 materials.
+    // A glTF file of 103 meshes, a triangle without area each, 101 materials with maps and 20
+    // without.
     const json primitives = {{{"attributes", {{"POSITION", 0}}}}};
     json document = {{"asset", {{"version", "2.0"}}},
                      {"accessors",
@@ -414,12 +415,17 @@ TEST(Inspect, WhatIsLeftOutOfLongListsIsTold) {
                         {"min", {0, 0, 0}},
                         {"max", {0, 0, 0}}}}}};
     for (int m = 0; m < 103; ++m) document["meshes"].push_back({{"primitives", primitives}});
-    for (int m = 0; m < 102; ++m) document["materials"].push_back({{"name", "m"}});
+    document["images"] = {{{"uri", "none.png"}}};
+    document["textures"] = {{{"source", 0}}};
+    const json mapped = {{"baseColorTexture", {{"index", 0}}}};
+    for (int m = 0; m < 101; ++m)
+        document["materials"].push_back({{"pbrMetallicRoughness", mapped}});
+    for (int m = 0; m < 20; ++m) document["materials"].push_back({{"name", "plain"}});
     write_text(dir / "many.gltf", document.dump());
     const test::Ran ran = run_here({"inspect", (dir / "many.gltf").string()});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_NE(ran.out.find("… and 3 more meshes\n"), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("… and 2 more materials\n"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("… and 1 more material with maps\n"), std::string::npos) << ran.out;
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ TEST(RenderTone, ExposureToneCurveAndBackgroundAreTheirFormulas) {
     EXPECT_NEAR(background("#0a0000")[0], 10 / 255.0 / 12.92, 1e-7);  // the straight part
     EXPECT_EQ(background("0.125,0.25,0.5"), (std::vector<double>{0.125, 0.25, 0.5}));
     EXPECT_EQ(background("0.25"), (std::vector<double>{0.25, 0.25, 0.25}));
-    for (const char* wrong : {"#12345", "#12345g", "1,2", "0.1,0.2,0.3,0.4", "-1", "1001", "#"})
+    for (const char* wrong : {"#12345", "#12345g", "1,2", "0.1,0.2,0.3,0.4", "-1", "1000001", "#"})
         EXPECT_EQ(run_here({"render", (dir / "scene.json").string(), "-o", (dir / "x.png").string(),
                             "--background", wrong})
                       .exit_code,

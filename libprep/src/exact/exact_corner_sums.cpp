@@ -103,7 +103,9 @@ class ExactCornerSums::Sums {
         }
         if (sine == 0 && cosine == 0) return {0, 0, 0};
         Real angle = atan2(sine, cosine);
-        if (dot(turn, normal) < 0) angle = 2 * boost::math::constants::pi<Real>() - angle;
+        // At right angles to the area vector, to within rounding, a corner is convex.
+        if (dot(turn, area) < -ldexp(sine * length, -150))
+            angle = 2 * boost::math::constants::pi<Real>() - angle;
         return (weight_ == NormalWeight::angle ? normal : area) * angle;
     }
 

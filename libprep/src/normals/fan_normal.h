@@ -99,8 +99,8 @@ class FanNormal {
             const Term t = term(c, face,
                                 compute_areas && faces_.states[face] == FaceState::regular
                                     ? accurate_area_vector(mesh_, face)
-                                    : faces_.area_vectors[face]);
-            if (t.is_open) return glm::dvec3(0.0);
+                                    : faces_.area_vectors[face],
+                                relative_error);
             largest_error = std::max(largest_error, t.error);
             terms_.emplace_back(t.value,
                                 std::abs(t.value.x) + std::abs(t.value.y) + std::abs(t.value.z));
@@ -112,12 +112,12 @@ class FanNormal {
 
     struct Term {
         glm::dvec3 value;
-        double error = 0;      // of the weight
-        bool is_open = false;  // the weight is not known at all
+        double error = 0;  // that its weight adds
     };
 
-    // The corner's term: its face's normal, weighted; zero where the face has none.
-    Term term(Index corner, Index face, const glm::dvec3& area) const {
+    // The corner's term: its face's normal, weighted; zero where the face has none. `area` is good
+    // to `area_error` of its length.
+    Term term(Index corner, Index face, const glm::dvec3& area, double area_error) const {
         if (options_.weight == NormalWeight::area || faces_.states[face] != FaceState::regular)
             return {area};
         const glm::dvec3 normal = unit_of(area);
@@ -132,22 +132,27 @@ class FanNormal {
         const bool triangle = steps_.end(face) - steps_.begin(face) == 3;
         const glm::dvec3 cross = triangle ? area : corner_cross(p, next, previous);
         const double sine = glm::length(cross);  // times |e1||e2|
-        // Of an angle and its sine, where edges are rounded.
-        const double error = triangle ? 0 : 0x1p-49;
+        // Of the cross product, beside |e1||e2|. Rounded edges are off by 2⁻⁵³ of each component,
+        // and so each of the two products by twice that (Stability.QuadsOfManyScales).
+        constexpr double cross_error = 0x1p-49;
         if (options_.weight == NormalWeight::edge_length) {
             const double l1 = glm::dot(e1, e1), l2 = glm::dot(e2, e2);
             if (!(l1 > 0) || !(l2 > 0)) return {glm::dvec3(0.0)};
-            return {normal * (sine / l1 / l2), triangle ? 0 : error / std::sqrt(l1 * l2)};
+            return {normal * (sine / l1 / l2), triangle ? 0 : cross_error / std::sqrt(l1 * l2)};
         }
         const double cosine = glm::dot(e1, e2);
         if (sine == 0 && cosine == 0) return {glm::dvec3(0.0)};
-        double angle = angle_of(sine, cosine);
-        const double turn = triangle ? sine : glm::dot(cross, normal);
-        if (turn < 0) angle = 2 * pi - angle;
+        const double angle = angle_of(sine, cosine);
         const glm::dvec3 weighted = options_.weight == NormalWeight::angle ? normal : area;
-        // Edges that fold back on each other: nearly nothing, or nearly a whole turn.
-        const bool is_open = !triangle && std::abs(turn) <= error * cosine;
-        return {weighted * angle, error * largest_component(weighted), is_open};
+        if (triangle) return {weighted * angle};
+        // Where the corner's plane is at right angles to the face's, or its edges fold back on each
+        // other, rounding decides whether it is reflex.
+        const double turn = glm::dot(cross, normal);
+        const double lengths = std::sqrt(sine * sine + cosine * cosine);  // |e1||e2|
+        const bool decided = std::abs(turn) > area_error * sine + 4 * cross_error * lengths;
+        return {
+            weighted * (turn < 0 ? 2 * pi - angle : angle),
+            (decided ? cross_error : 2 * (pi - angle) + cross_error) * largest_component(weighted)};
     }
 
     glm::dvec3 fallback(std::span<const Index> corners, FanReport& report) {

@@ -120,7 +120,7 @@ std::vector<std::vector<MeshInstance>> instances_of(const Scene& scene) {
     return instances;
 }
 
-// Whether the mesh stays as it is, which is told.
+// True where the mesh stays as it is; the log, or a finding, says why.
 bool MeshPreparation::is_not_tessellated() {
     if (mesh_.face_count() == 0) {
         log_.skipped("tessellate", "there are no faces");

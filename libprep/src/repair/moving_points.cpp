@@ -1,7 +1,6 @@
 // Which vertices at one position are one point of a mesh that moves.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,33 +14,32 @@ namespace {
 
 using Index = std::uint32_t;
 
-// Up to here vertices move as one: of weights the sum of their differences (eight of 8 bits may be
-// off by a step each), of deltas a length over the mesh's size.
-constexpr float weights_alike = 1.0f / 32;
-constexpr double deltas_alike = 0x1p-16;
+// Up to here vertices move as one: of weights the sum of their differences (of eight with 8 bits
+// each may be off by a step), of deltas a length over the size of the faces' points.
+constexpr float weights_alike = 8.5f / 255;
+constexpr double deltas_alike = 0x1p-20;
 
 class Motion {
   public:
     explicit Motion(const Mesh& mesh) : mesh_(mesh) {
-        PositionBounds bounds;
-        for (const glm::vec3& p : mesh.positions) bounds.add(glm::dvec3(p));
+        PositionBounds bounds;  // what no face uses may lie anywhere
+        for (const Index v : mesh.corner_vertices) bounds.add(glm::dvec3(mesh.positions[v]));
         delta_ = deltas_alike * bounds.diagonal();
     }
 
-    bool is_weighted(Index vertex) const {
-        const Index v = mesh_.file_vertex(vertex);
-        return std::any_of(
-            mesh_.skin_influences.begin(), mesh_.skin_influences.end(),
-            [&](const SkinInfluences& set) { return set.weights[v] != glm::vec4(0.0f); });
-    }
+    bool is_weighted(Index vertex) const { return has_weights(mesh_, mesh_.file_vertex(vertex)); }
 
-    bool is_alike(Index a, Index b) const {
+    bool is_alike(Index a, Index b) {
         return is_morphed_alike(mesh_.file_vertex(a), mesh_.file_vertex(b)) &&
                (!is_weighted(a) || !is_weighted(b) ||
-                are_weights_alike(mesh_.file_vertex(a), mesh_.file_vertex(b)));
+                are_weights_alike(shares_of(mesh_.file_vertex(a)),
+                                  shares_of(mesh_.file_vertex(b))));
     }
 
   private:
+    // Of each joint in the sum of a vertex' weights, ascending by joint.
+    using Shares = std::vector<std::pair<std::uint16_t, float>>;
+
     bool is_morphed_alike(Index a, Index b) const {
         for (const MorphTarget& target : mesh_.morph_targets) {
             const glm::vec3 *of_a = delta_of(target.positions, a),
@@ -53,20 +51,39 @@ class Motion {
         return true;
     }
 
-    bool are_weights_alike(Index a, Index b) const {
-        std::map<std::uint16_t, float> more;  // by joint, that a has
-        for (const SkinInfluences& set : mesh_.skin_influences)
-            for (int k = 0; k < 4; ++k) {
-                more[set.joints[a][k]] += set.weights[a][k];
-                more[set.joints[b][k]] -= set.weights[b][k];
-            }
+    const Shares& shares_of(Index file_vertex) {
+        const auto [at, fresh] = shares_.try_emplace(file_vertex);
+        Shares& shares = at->second;
+        if (!fresh) return shares;
         float sum = 0;
-        for (const auto& [joint, weight] : more) sum += std::abs(weight);
-        return !(sum > weights_alike);
+        for (const SkinInfluences& set : mesh_.skin_influences)
+            for (int k = 0; k < 4; ++k)
+                if (const float weight = set.weights[file_vertex][k]; weight != 0) {
+                    shares.emplace_back(set.joints[file_vertex][k], weight);
+                    sum += weight;
+                }
+        std::sort(shares.begin(), shares.end());
+        for (auto& [joint, weight] : shares) weight /= sum;
+        return shares;
+    }
+
+    static bool are_weights_alike(const Shares& a, const Shares& b) {
+        float apart = 0;
+        for (std::size_t i = 0, k = 0; i < a.size() || k < b.size();) {
+            const std::uint16_t joint = k == b.size() || (i < a.size() && a[i].first < b[k].first)
+                                            ? a[i].first
+                                            : b[k].first;
+            float more = 0;  // a joint may have several weights
+            for (; i < a.size() && a[i].first == joint; ++i) more += a[i].second;
+            for (; k < b.size() && b[k].first == joint; ++k) more -= b[k].second;
+            apart += std::abs(more);
+        }
+        return !(apart > weights_alike);
     }
 
     const Mesh& mesh_;
     double delta_;
+    std::unordered_map<Index, Shares> shares_;  // by file vertex
 };
 
 }  // namespace
@@ -80,8 +97,8 @@ MovingPoints moving_points(const Mesh& mesh, int threads) {
         if (equal[v] != v) is_repeated[equal[v]] = 1;
     for (const Index v : mesh.corner_vertices) has_face[v] = 1;
 
-    const Motion motion(mesh);
-    constexpr std::size_t most = 64;  // of one position: others stay by themselves
+    Motion motion(mesh);
+    constexpr std::size_t most = 16;  // of one position: others stay by themselves
     std::unordered_map<Index, std::vector<Index>> firsts;  // of each way to move, by position
     // Those without weights, of parts that no skin moves, go with the first that has some.
     for (const bool weighted : {true, false})

@@ -15,14 +15,9 @@ using Index = std::uint32_t;
 
 // Where the vertex that stays is of a part without skin weights, those of another are its own.
 void take_influences(Mesh& mesh, const std::vector<Index>& target) {
-    const auto has_any = [&](Index file_vertex) {
-        return std::any_of(
-            mesh.skin_influences.begin(), mesh.skin_influences.end(),
-            [&](const SkinInfluences& set) { return set.weights[file_vertex] != glm::vec4(0.0f); });
-    };
     for (Index v = 0; v < target.size() && !mesh.skin_influences.empty(); ++v) {
         const Index to = mesh.file_vertex(target[v]), from = mesh.file_vertex(v);
-        if (to == from || has_any(to) || !has_any(from)) continue;
+        if (to == from || has_weights(mesh, to) || !has_weights(mesh, from)) continue;
         for (SkinInfluences& set : mesh.skin_influences) {
             set.joints[to] = set.joints[from];
             set.weights[to] = set.weights[from];

@@ -1,6 +1,7 @@
 // The steps of repair() and the edits that they share.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -65,9 +66,18 @@ void put_in_place(Mesh& mesh, const std::vector<std::uint32_t>& target);
 
 RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads);
 
+// Whether joints move this vertex of the file.
+inline bool has_weights(const Mesh& mesh, std::uint32_t file_vertex) {
+    return std::any_of(
+        mesh.skin_influences.begin(), mesh.skin_influences.end(),
+        [&](const SkinInfluences& set) { return set.weights[file_vertex] != glm::vec4(0.0f); });
+}
+
 // By vertex the one that stands for its point: the first at its position, and of those that joints
-// or morph targets move apart (lips, eyelids) the first that moves as it does. `apart`: how many
-// points that faces have are at the position of another.
+// or morph targets move apart (lips, eyelids) the first that moves as it does; one without weights
+// goes with the first that has some, which may come later. Beyond 16 ways to move at one position
+// each vertex is a point of its own. `apart`: how many points that faces have are at the position
+// of another.
 struct MovingPoints {
     std::vector<std::uint32_t> first;
     std::uint64_t apart = 0;

@@ -186,18 +186,20 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
         if (cage.tagged() || 2 * s.quads > s.faces) say("    " + cage_text(cage));
     }
     if (scene.meshes.size() > most)
-        say(fmt::format("  … and {} more meshes", scene.meshes.size() - most));
-    for (std::size_t m = 0; m < scene.materials.size() && m < most; ++m) {
+        say("  … and " + count_of(scene.meshes.size() - most, "more mesh", "more meshes"));
+    std::size_t with_maps = 0;
+    for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         std::vector<std::string> maps;
         for (const prep::MaterialMap& map : prep::material_maps)
             if (const prep::TextureRef& ref = scene.materials[m].*map.ref)
                 maps.push_back(fmt::format("{} map {}", map.name, image_name(scene, ref)));
-        if (!maps.empty())
+        if (!maps.empty() && ++with_maps <= most)
             say(fmt::format("  {}: {}", name_or(scene.materials[m].name, "material", m),
                             fmt::join(maps, ", ")));
     }
-    if (scene.materials.size() > most)
-        say(fmt::format("  … and {} more materials", scene.materials.size() - most));
+    if (with_maps > most)
+        say("  … and " +
+            count_of(with_maps - most, "more material with maps", "more materials with maps"));
     for (const std::string& line : conventions_text(conventions, scene)) say("  " + line);
     std::vector<std::string> names;
     for (const prep::Mesh& mesh : scene.meshes) names.push_back(mesh.name);

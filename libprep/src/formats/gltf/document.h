@@ -48,6 +48,10 @@ std::size_t component_size(int component_type);  // 0: no such type
 int components_of(const std::string& type);      // 0: no such type
 const char* type_of_width(int components);       // a vector's, or a matrix's of 9 or 16
 
+inline std::string primitive_pointer(std::size_t mesh, std::size_t primitive) {
+    return "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(primitive);
+}
+
 // Bytes of one element in a bufferView: matrices of small components have padded columns.
 std::size_t stored_size(const std::string& type, int component_type);
 constexpr std::uint64_t max_elements = std::uint64_t(1) << 31;  // of an accessor

@@ -50,25 +50,31 @@ struct Encoded {
     Json document;       // its buffers are still to be added
     BinaryParts binary;  // in part the prepared scene's own arrays
     std::uint64_t fallback_bytes = 0;
-    Json told = Json::object();  // of the source's buffer, what goes on the one that is written
+    Json labels = Json::object();  // of the buffer: its name and extras
 
     Json buffers() const {
         Json all = buffers_of(binary.size(), fallback_bytes);
-        if (!binary.empty()) all[0].update(told);
+        if (!binary.empty()) all[0].update(labels);
         return all;
     }
 };
 
-// One buffer's name and extras; of several, whose data become one, that they have some is told.
-Json told_of_buffers(const Json& document, std::vector<std::string>& notes) {
-    Json told = Json::object();
+// Name and extras of the document's buffer. Those of several buffers, whose data become one, are
+// left out, with a note. Buffers that only stand for what is compressed have no data.
+Json labels_of_buffers(const Json& document, std::vector<std::string>& notes) {
+    Json labels = Json::object();
     const auto buffers = document.find("buffers");
-    if (buffers == document.end() || !buffers->is_array()) return told;
-    for (const Json& buffer : *buffers)
+    if (buffers == document.end() || !buffers->is_array()) return labels;
+    std::size_t count = 0;
+    for (const Json& buffer : *buffers) {
+        const Json* const meshopt = extension_of(buffer, "EXT_meshopt_compression");
+        if (meshopt != nullptr && meshopt->value("fallback", false)) continue;
+        ++count;
         for (const char* member : {"name", "extras"})
             if (const auto found = buffer.find(member); found != buffer.end())
-                told[member] = *found;
-    if (buffers->size() == 1 || told.empty()) return told;
+                labels[member] = *found;
+    }
+    if (count <= 1 || labels.empty()) return labels;
     notes.push_back("the file's buffers became one: their names and extras were left out");
     return Json::object();
 }
@@ -135,7 +141,7 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
         auto rewritten = rewrite_gltf(prepared, rounds ? Compression::none : compression, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);
-        out.told = told_of_buffers(document->json, notes);
+        out.labels = labels_of_buffers(document->json, notes);
         packed = std::move(rewritten->packed);
         plan = std::move(rewritten->plan);
         if (rounds && compression == Compression::keep) plan = compression_of(*document);
@@ -168,6 +174,8 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
     out.binary = std::move(packed.bytes);
     out.binary.pad();
     out.fallback_bytes = packed.fallback_bytes;
+    if (out.binary.empty() && !out.labels.empty())
+        notes.push_back("no data is left: the buffer's name and extras were left out");
     return out;
 }
 

@@ -106,8 +106,7 @@ class Rewriter {
                              "no face of a primitive is left of its subdivision (holes, or a "
                              "boundary rule of none): it cannot be written back; use another "
                              "--subdivide-boundary",
-                             document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
-                                             std::to_string(p))};
+                             document_.place(primitive_pointer(m, p))};
             if (triangles.empty()) continue;
             if (auto done = primitive(m, p, std::move(triangles)); !done) return done;
         }
@@ -146,8 +145,7 @@ class Rewriter {
                 return Error{ErrorCode::unsupported,
                              "a compressed primitive without a triangle of finite positions cannot "
                              "be written",
-                             document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
-                                             std::to_string(p))};
+                             document_.place(primitive_pointer(m, p))};
             note_once(notes_,
                       "primitives without a triangle of finite positions were left as they are");
             return {};
@@ -162,9 +160,7 @@ class Rewriter {
         Json& out = json_["meshes"][m]["primitives"][p];
         DracoCoding coding;
         if (keeps_draco_ && !source.draco.empty()) {
-            auto read =
-                draco_coding(document_, out,
-                             "/meshes/" + std::to_string(m) + "/primitives/" + std::to_string(p));
+            auto read = draco_coding(document_, out, primitive_pointer(m, p));
             if (!read) return std::move(read).error();
             coding = *std::move(read);
         }

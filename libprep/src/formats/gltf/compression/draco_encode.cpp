@@ -163,23 +163,17 @@ std::vector<std::uint32_t> places_of(const DracoSource& source, const RawAccesso
     return places;
 }
 
-// Draco 1.5 takes time by the square of a point's triangles before Edgebreaker: seconds from a
-// hundred thousand on.
-bool has_vast_pole(const DracoSource& source) {
-    constexpr std::uint32_t most = 1u << 15;
-    if (source.indices.size() / 3 <= most) return false;
-    for (const auto& [semantic, raw] : source.attributes) {
-        if (semantic != "POSITION") continue;
-        const std::vector<std::uint32_t> places = places_of(source, raw);
-        std::vector<std::uint32_t> uses(places.size(), 0);
-        for (const std::uint32_t v : source.indices)
-            if (++uses[places[v]] > most) return true;
-    }
-    return false;
+// Draco 1.5 takes time by the square of a point's triangles before Edgebreaker.
+bool has_vast_pole(const DracoSource& source, const std::vector<std::uint32_t>& places) {
+    constexpr std::uint32_t most = 4096;
+    std::vector<std::uint32_t> uses(places.size(), 0);
+    return std::any_of(source.indices.begin(), source.indices.end(),
+                       [&](std::uint32_t v) { return ++uses[places[v]] > most; });
 }
 
 // Edgebreaker follows edges between values of POSITION: those of a seam are one.
-bool share_values(draco::Mesh& mesh, const DracoSource& source, const std::vector<int>& ids) {
+bool share_values(draco::Mesh& mesh, const DracoSource& source, const std::vector<int>& ids,
+                  const std::vector<std::uint32_t>& places) {
     for (std::size_t a = 0; a < ids.size(); ++a) {
         draco::PointAttribute& to = *mesh.attribute(ids[a]);
         const auto& [semantic, raw] = source.attributes[a];
@@ -187,7 +181,6 @@ bool share_values(draco::Mesh& mesh, const DracoSource& source, const std::vecto
             if (to.DeduplicateValues(to) == draco::AttributeValueIndex::ValueType(-1)) return false;
             continue;
         }
-        const std::vector<std::uint32_t> places = places_of(source, raw);
         const std::size_t size = raw.element_size();
         to.SetExplicitMapping(raw.count);
         // Values move down alone: each has a number that is not above its vertex'.
@@ -201,8 +194,9 @@ bool share_values(draco::Mesh& mesh, const DracoSource& source, const std::vecto
     return true;
 }
 
+// `numbers`: places_of() the positions, where the order is not kept.
 std::optional<DracoData> encode(const DracoSource& source, const DracoCoding& coding,
-                                bool keeps_order) {
+                                bool keeps_order, const std::vector<std::uint32_t>& numbers) {
     draco::Mesh mesh;
     const std::size_t points = source.attributes.front().second.count;
     mesh.set_num_points(std::uint32_t(points));
@@ -227,7 +221,7 @@ std::optional<DracoData> encode(const DracoSource& source, const DracoCoding& co
                                  raw.bytes.data() + i * size);
         out.ids[semantic] = to.unique_id();
     }
-    if (!keeps_order && !share_values(mesh, source, ids)) return std::nullopt;
+    if (!keeps_order && !share_values(mesh, source, ids, numbers)) return std::nullopt;
 
     draco::ExpertEncoder encoder(mesh);
     encoder.SetSpeedOptions(speed, speed);
@@ -294,13 +288,16 @@ Result<DracoCoding> draco_coding(const GltfDocument& document, const Json& primi
 std::optional<DracoData> encode_draco(const DracoSource& source, const DracoCoding& coding) {
     if (source.attributes.empty() || source.indices.size() < 3) return std::nullopt;
     try {
-        bool keeps_order =
-            coding.keeps_order || names_a_vertex_twice(source) || has_vast_pole(source);
-        auto data = encode(source, coding, keeps_order);
+        bool keeps_order = coding.keeps_order || names_a_vertex_twice(source);
+        std::vector<std::uint32_t> places;
+        for (const auto& [semantic, raw] : source.attributes)
+            if (semantic == "POSITION" && !keeps_order) places = places_of(source, raw);
+        keeps_order |= !places.empty() && has_vast_pole(source, places);
+        auto data = encode(source, coding, keeps_order, places);
         // What Edgebreaker cannot follow it leaves out.
         if (!keeps_order && (!data || data->triangles != source.indices.size() / 3)) {
             keeps_order = true;
-            data = encode(source, coding, keeps_order);
+            data = encode(source, coding, keeps_order, places);
         }
         if (data) data->keeps_order = keeps_order;
         return data;
