@@ -262,9 +262,9 @@ TEST(PlanReads, WhatIsLeftOutForOnePictureChangesNoneAndWhatIsKeptDoes) {
         }
     }
     // Not all that is read is seen: meshes are hidden, maps are flat or cannot be read. The shares,
-    // in hundredths, are those measured: 71, 36, 75 and 54.
+    // in hundredths, are those measured: 71, 34, 75 and 54.
     const std::map<std::string, int> seen{
-        {"normals", 70}, {"tangents", 35}, {"colours", 74}, {"UVs", 52}};
+        {"normals", 70}, {"tangents", 34}, {"colours", 74}, {"UVs", 52}};
     for (const auto& [kind, share] : seen) {
         std::printf("%-9s left out %3d, kept %3d, of which %3d change the picture\n", kind.c_str(),
                     left_out[kind], kept[kind], matter[kind]);

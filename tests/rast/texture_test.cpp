@@ -349,7 +349,11 @@ TEST(Filter, EwaIsTheGaussianOverTheEllipse) {
                      width = length / 8 + (0.95 - length / 8) * value(random);
         const glm::dvec2 a = glm::dvec2(std::cos(turn), std::sin(turn)) * length,
                          b = glm::dvec2(-std::sin(turn), std::cos(turn)) * width;
-        const Footprint footprint{glm::vec2(a / 64.0), glm::vec2(b / 64.0)};
+        // The screen's axes may be any conjugate ones: J times a rotation has the same ellipse.
+        const double roll = 6.28 * value(random);
+        const glm::dvec2 right = a * std::cos(roll) + b * std::sin(roll),
+                         down = b * std::cos(roll) - a * std::sin(roll);
+        const Footprint footprint{glm::vec2(right / 64.0), glm::vec2(down / 64.0)};
         // The quadratic form is the inverse of J Jᵀ + 1.
         const double xx = a.x * a.x + b.x * b.x + 1, xy = a.x * a.y + b.x * b.y,
                      yy = a.y * a.y + b.y * b.y + 1, det = xx * yy - xy * xy;
@@ -368,6 +372,31 @@ TEST(Filter, EwaIsTheGaussianOverTheEllipse) {
         // The table's steps of 1/256 in r² change a weight by 0.4 % at most, up and down.
         ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::ewa, 8), sum / total),
                   4e-3);
+    }
+}
+
+// A floor is as sharp whichever way the camera is rolled.
+TEST(Filter, AnisotropicFootprintsAreEllipsesHoweverTheScreenIsTurned) {
+    const prep::Image image = random_image(64, 32, 35);
+    std::mt19937_64 random(36);
+    std::uniform_real_distribution<double> value(0, 1);
+    for (const TextureFilter filter : {TextureFilter::anisotropic, TextureFilter::ewa}) {
+        const MipTexture texture = texture_for(image, filter);
+        for (int n = 0; n < 300; ++n) {
+            const glm::vec2 uv(float(value(random)), float(value(random)));
+            const double turn = 6.28 * value(random), roll = 6.28 * value(random);
+            const double length = 1.5 + 20 * value(random);
+            const double width = length * (0.15 + 0.8 * value(random));
+            const glm::dvec2 size(64, 32);
+            const glm::dvec2 a = glm::dvec2(std::cos(turn), std::sin(turn)) * length / size,
+                             b = glm::dvec2(-std::sin(turn), std::cos(turn)) * width / size;
+            const Footprint straight{glm::vec2(a), glm::vec2(b)};
+            const Footprint rolled{glm::vec2(a * std::cos(roll) + b * std::sin(roll)),
+                                   glm::vec2(b * std::cos(roll) - a * std::sin(roll))};
+            const glm::vec4 expected = texture.sample(uv, straight, filter, 8);
+            ASSERT_LT(distance(texture.sample(uv, rolled, filter, 8), glm::dvec4(expected)), 2e-3)
+                << n << ", filter " << int(filter);
+        }
     }
 }
 

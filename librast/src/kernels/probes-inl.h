@@ -42,23 +42,30 @@ RAST_INLINE void finish_maps(const TextureView* const views[], const Quads parts
                                              : finished_texel<float>(parts[i]);
 }
 
-// The sides of footprints in texels of the first level, as MipTexture has them.
-struct FootprintSides {
-    D major, minor;  // their lengths
-    M stretched;     // longer than a texel, and no extremes
-    M turned;        // the longer one goes down the screen
+// The axes of footprints' ellipses in texels of the first level, as MipTexture has them.
+struct FootprintAxes {
+    D major, minor;              // lengths
+    D direction_u, direction_v;  // of the major one
+    M stretched;                 // longer than a texel, and no extremes
 };
-RAST_INLINE FootprintSides sides_of(const TextureView& view, const Coordinates& at) {
+RAST_INLINE FootprintAxes axes_of(const TextureView& view, const Coordinates& at) {
     const D width = set_double(double(view.widths[0])),
             height = set_double(double(view.heights[0]));
-    const auto length = [&](F u, F v) {
-        const D a = to_double(u) * width, b = to_double(v) * height;
-        return sqrt(a * a + b * b);
-    };
-    const D right = length(at.u_x, at.v_x), down = length(at.u_y, at.v_y);
-    const D major = max(right, down);
-    return {major, min(right, down), are_footprints(at) & (less(set_double(1.0), major) > set(0)),
-            less(right, down) > set(0)};
+    const D p_x = to_double(at.u_x) * width, p_y = to_double(at.v_x) * height;
+    const D q_x = to_double(at.u_y) * width, q_y = to_double(at.v_y) * height;
+    const D zero = set_double(0.0), one = set_double(1.0), middle = set_double(0.5);
+    const D a = p_x * p_x + q_x * q_x, b = p_x * p_y + q_x * q_y, c = p_y * p_y + q_y * q_y;
+    const D half = (a - c) * middle, root = sqrt(half * half + b * b);
+    FootprintAxes axes;
+    axes.major = sqrt((a + c) * middle + root);
+    const D area = p_x * q_y - p_y * q_x;
+    axes.minor = max(area, zero - area) / max(axes.major, set_double(1e-30));
+    const D least = set_double(1e-300), turn = (half + least) / (root + least);
+    const D sign = one - to_double(less(b, zero)) * set_double(2.0);
+    axes.direction_u = sqrt(max(middle + turn * middle, zero));
+    axes.direction_v = sqrt(max(middle - turn * middle, zero)) * sign;
+    axes.stretched = are_footprints(at) & (less(one, axes.major) > set(0));
+    return axes;
 }
 
 // As MipTexture::anisotropic has them.
@@ -72,13 +79,16 @@ RAST_INLINE Probes find_probes(const BoundMap& map, const Coordinates& at) {
     const F none = set(0.0f), last = set(float(view.level_count - 1));
     Probes p{none, none, none, set(1), set(0) < set(1)};
     if (view.level_count == 1) return p;
-    const FootprintSides s = sides_of(view, at);
+    const FootprintAxes s = axes_of(view, at);
     p.good = are_footprints(at);
     if (any(p.good & !s.stretched)) p.lod = level_of_detail(view, at);
     if (!any(s.stretched)) return p;
-    p.along_u = select(s.stretched, select(s.turned, at.u_y, at.u_x), none);
-    p.along_v = select(s.stretched, select(s.turned, at.v_y, at.v_x), none);
-    const D zero = set_double(0.0), ratio = s.major / max(s.minor, set_double(1e-30));
+    const D width = set_double(double(view.widths[0])),
+            height = set_double(double(view.heights[0]));
+    p.along_u = select(s.stretched, to_float(s.major * s.direction_u / width), none);
+    p.along_v = select(s.stretched, to_float(s.major * s.direction_v / height), none);
+    const D zero = set_double(0.0);
+    const D ratio = s.major / max(s.minor, set_double(1e-30)) - set_double(1e-6);
     const D most = set_double(map.most > 1 ? double(map.most) : 1.0);
     p.count = select(s.stretched, to_int(min(zero - floor(zero - ratio), most)), p.count);
     const F lod = log2(to_float(s.major / to_double(p.count)));
@@ -230,12 +240,12 @@ RAST_INLINE void finish_values(const TextureView* const views[], const F values[
 
 // As MipTexture::ellipse: of `count` textures on one level for each lane. Results are codes or
 // floats.
-struct EllipseSides {
+struct EllipseAxes {
     F major_u, major_v, minor_u, minor_v;
 };
 template <int count>
 RAST_INLINE void read_ellipses(const TextureView* const views[], F at_u, F at_v,
-                               const EllipseSides& sides, int most, I level, F out[][4]) {
+                               const EllipseAxes& axes, int most, I level, F out[][4]) {
     const TextureView& view = *views[0];
     const Sizes size = sizes_of(view, level);
     const F one = set(1.0f), half = set(0.5f), none = set(0.0f);
@@ -245,8 +255,8 @@ RAST_INLINE void read_ellipses(const TextureView* const views[], F at_u, F at_v,
     const F longest = set((most > 1 ? float(most) : 1.0f) * 2.0f + 1.0f);
     const F shortest = none - longest;
     const auto kept = [&](F x) { return min(max(x, shortest), longest); };
-    const F p_x = kept(sides.major_u * scale_u), p_y = kept(sides.major_v * scale_v);
-    const F q_x = kept(sides.minor_u * scale_u), q_y = kept(sides.minor_v * scale_v);
+    const F p_x = kept(axes.major_u * scale_u), p_y = kept(axes.major_v * scale_v);
+    const F q_x = kept(axes.minor_u * scale_u), q_y = kept(axes.minor_v * scale_v);
     const F area = p_x * q_y - p_y * q_x;
     const F a = (p_y * p_y + q_y * q_y) + one, c = (p_x * p_x + q_x * q_x) + one;
     const F reach = sqrt(a);
@@ -319,7 +329,7 @@ inline void read_ewa(const BoundMap* const maps[], const Coordinates& coordinate
     const auto kept = [&](F x) { return select(good, x, none); };
     const Coordinates at{kept(coordinates.u),   kept(coordinates.v),   kept(coordinates.u_x),
                          kept(coordinates.v_x), kept(coordinates.u_y), kept(coordinates.v_y)};
-    const FootprintSides s = sides_of(view, at);
+    const FootprintAxes s = axes_of(view, at);
     F values[count][4];
     if (!all(s.stretched)) {
         Reads reads;
@@ -338,20 +348,11 @@ inline void read_ewa(const BoundMap* const maps[], const Coordinates& coordinate
             for (int k = 0; k < 4; ++k) values[i][k] = none;
     }
     const F length = select(s.stretched, to_float(s.major), one);
-    F narrow = select(s.stretched, to_float(s.minor), one);
-    const F width = set(float(view.widths[0])), height = set(float(view.heights[0]));
-    EllipseSides e;
-    e.major_u = select(s.turned, at.u_y, at.u_x) * width;
-    e.major_v = select(s.turned, at.v_y, at.v_x) * height;
-    e.minor_u = select(s.turned, at.u_x, at.u_y) * width;
-    e.minor_v = select(s.turned, at.v_x, at.v_y) * height;
     const F least = length / set(map.most > 1 ? float(map.most) : 1.0f);
-    const F area = e.major_u * e.minor_v - e.major_v * e.minor_u;
-    const F across = select(area < none, -least, least) / length;
-    const M widened = narrow < least;
-    e.minor_u = select(widened, -e.major_v * across, e.minor_u);
-    e.minor_v = select(widened, e.major_u * across, e.minor_v);
-    narrow = select(widened, least, narrow);
+    const F narrow = max(select(s.stretched, to_float(s.minor), one), least);
+    const F along_u = select(s.stretched, to_float(s.direction_u), one);
+    const F along_v = select(s.stretched, to_float(s.direction_v), none);
+    EllipseAxes e{along_u * length, along_v * length, (none - along_v) * narrow, along_u * narrow};
     const F lod = max(log2(select(s.stretched, narrow, one)), none);
     // On the last level an ellipse would have no largest size: lane by lane.
     good = good & ((lod < last) | !s.stretched);

@@ -25,29 +25,28 @@ std::array<float, 4> keys_weights(float t) {
             -1.5f * t3 + 2.0f * t2 + 0.5f * t, 0.5f * t3 - 0.5f * t2};
 }
 
-// The sides of a footprint in texels of the first level, in double: products of float's extremes
-// overflow float.
-struct Sides {
-    glm::dvec2 major{0.0}, minor{0.0};
-    double major_length = 0, minor_length = 0;
-    glm::vec2 along{0.0f};  // the major side as the footprint has it
+// The axes of a footprint's ellipse in texels of the first level: singular values and the first
+// singular vector of its derivatives. In double: products of float's extremes overflow float. The
+// kernels' operations in their order (axes_of).
+struct Axes {
+    double major = 0, minor = 0;  // lengths
+    glm::dvec2 direction{1, 0};   // of the major one
     bool usable = false;
 };
-Sides sides_of(const Footprint& f, const MipTexture::Level& level) {
+Axes axes_of(const Footprint& f, const MipTexture::Level& level) {
     const glm::dvec2 size(level.width, level.height);
-    Sides s;
-    s.along = f.dx;
-    s.major = glm::dvec2(f.dx) * size;
-    s.minor = glm::dvec2(f.dy) * size;
-    s.major_length = std::sqrt(glm::dot(s.major, s.major));
-    s.minor_length = std::sqrt(glm::dot(s.minor, s.minor));
-    if (s.major_length < s.minor_length) {
-        s.along = f.dy;
-        std::swap(s.major, s.minor);
-        std::swap(s.major_length, s.minor_length);
-    }
-    s.usable = s.major_length < 1e15 && s.minor_length >= 0;
-    return s;
+    const glm::dvec2 p = glm::dvec2(f.dx) * size, q = glm::dvec2(f.dy) * size;
+    const double a = p.x * p.x + q.x * q.x, b = p.x * p.y + q.x * q.y, c = p.y * p.y + q.y * q.y;
+    const double half = (a - c) * 0.5, root = std::sqrt(half * half + b * b);
+    Axes axes;
+    axes.major = std::sqrt((a + c) * 0.5 + root);
+    axes.minor = std::abs(p.x * q.y - p.y * q.x) / std::max(axes.major, 1e-30);
+    // Cosine of twice the angle; of a circle the axis is along u.
+    const double turn = (half + 1e-300) / (root + 1e-300);
+    axes.direction = {std::sqrt(std::max(0.5 + turn * 0.5, 0.0)),
+                      std::sqrt(std::max(0.5 - turn * 0.5, 0.0)) * (b < 0 ? -1.0 : 1.0)};
+    axes.usable = axes.major < 1e15 && axes.minor >= 0;
+    return axes;
 }
 
 }  // namespace
@@ -104,15 +103,18 @@ glm::vec4 MipTexture::trilinear(const glm::vec2& uv, float lod) const {
 }
 
 glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const {
-    const Sides s = sides_of(footprint, levels_[0]);
-    if (!s.usable || !(s.major_length > 1))
+    const Axes axes = axes_of(footprint, levels_[0]);
+    if (!axes.usable || !(axes.major > 1))
         return filtered(uv, footprint, TextureFilter::trilinear, most);
-    const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
+    // Rounding shall not make two of one.
+    const double ratio = axes.major / std::max(axes.minor, 1e-30) - 1e-6;
     const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
-    const float lod = std::max(0.0f, log2_portable(float(s.major_length / probes)));
+    const float lod = std::max(0.0f, log2_portable(float(axes.major / probes)));
+    const glm::vec2 along(axes.major * axes.direction /
+                          glm::dvec2(levels_[0].width, levels_[0].height));
     glm::vec4 first(0.0f), sum(0.0f);
     for (int i = 0; i < probes; ++i) {
-        const glm::vec2 at = uv + s.along * ((float(i) + 0.5f) / float(probes) - 0.5f);
+        const glm::vec2 at = uv + along * ((float(i) + 0.5f) / float(probes) - 0.5f);
         const glm::vec4 probe =
             between_levels(lod, [&](const Level& level) { return mixed(level, at); });
         if (i == 0) first = probe;
@@ -124,11 +126,11 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
 // The kernels' operations in their order (read_ellipses).
 glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm::vec2& major,
                               const glm::vec2& minor, int most) const {
-    // Sides in texels of this level; one texel more in each direction keeps the ellipse from
+    // Axes in texels of this level; one texel more in each direction keeps the ellipse from
     // falling between texels (Heckbert 1989, section 3.5.8).
     const float width = float(level.width), height = float(level.height);
     const glm::vec2 scale(width / float(levels_[0].width), height / float(levels_[0].height));
-    // On levels of half the size each the narrow side is below two texels, and the long one below
+    // On levels of half the size each the narrow axis is below two texels, and the long one below
     // `most` times that. Along an axis that is down to a single texel they would grow without end.
     const glm::vec2 longest(float(std::max(most, 1)) * 2 + 1);  // 1: far above rounding
     const glm::vec2 p = glm::clamp(major * scale, -longest, longest);
@@ -172,21 +174,15 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
 }
 
 glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int most) const {
-    const Sides s = sides_of(footprint, levels_[0]);
-    if (!s.usable || !(s.major_length > 1))
+    const Axes axes = axes_of(footprint, levels_[0]);
+    if (!axes.usable || !(axes.major > 1))
         return filtered(uv, footprint, TextureFilter::trilinear, most);
-    const glm::vec2 major(s.major);
-    glm::vec2 minor(s.minor);
-    const float length = float(s.major_length);
-    float narrow = float(s.minor_length);
-    // The narrow side is widened where the ellipse would be longer than is paid for.
-    const float least = length / float(std::max(most, 1));
-    if (narrow < least) {
-        const float area = major.x * minor.y - major.y * minor.x;
-        const float across = (area < 0 ? -least : least) / length;
-        minor = {-major.y * across, major.x * across};
-        narrow = least;
-    }
+    // The narrow axis is widened where the ellipse would be longer than is paid for.
+    const float length = float(axes.major);
+    const float narrow = std::max(float(axes.minor), length / float(std::max(most, 1)));
+    const glm::vec2 direction(axes.direction);
+    const glm::vec2 major = direction * length;
+    const glm::vec2 minor = glm::vec2(-direction.y, direction.x) * narrow;
     const float lod = std::max(0.0f, log2_portable(narrow));
     // On the last level an ellipse would have no largest size.
     if (!(lod < float(levels_.size() - 1))) return bilinear(level(level_count() - 1), uv);
