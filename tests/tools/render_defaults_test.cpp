@@ -66,6 +66,8 @@ TEST(RenderDefaults, AreThoseOfThePages) {
     const std::string lit = draw({"--light", "30,40"});
     EXPECT_TRUE(draw({"--light", "30,40,1", "--ambient", "0.1"}) == lit);
     EXPECT_TRUE(draw({"--look-from", "3,4,9", "--up", "0,1,0"}) == draw({"--look-from", "3,4,9"}));
+    for (const char* up : {"0,1e300,0", "0,1e-300,0"})  // a direction of any length
+        EXPECT_TRUE(draw({"--look-from", "3,4,9", "--up", up}) == draw({"--look-from", "3,4,9"}));
 }
 
 TEST(RenderDefaults, PicturesAre1024By768AndBandsHold64Mebibytes) {

@@ -124,6 +124,14 @@ TEST(RenderReport, EmptyPicturesHaveTheirReason) {
                        {"--look-from", "0.2,0.2,-4", "--look-at", "0.2,0.2,0", "--cull", "back"}),
               Texts{"the picture is empty: 1 triangle is seen from behind (--cull none draws both "
                     "sides), 1 triangle is outside of it or behind the camera"});
+    // Between pixels' centres; exact areas draw it.
+    const std::vector<std::string> from_afar = {"--look-from", "0,0,2000", "--look-at",
+                                                "0.05,0.05,0"};
+    EXPECT_EQ(warnings("one.obj", from_afar),
+              Texts{"the picture is empty: its triangle is too small to cover a pixel's centre"});
+    std::vector<std::string> by_areas = from_afar;
+    by_areas.insert(by_areas.end(), {"--coverage", "area"});
+    EXPECT_EQ(warnings("one.obj", by_areas), Texts{});
     // Bands count the same triangles once more.
     EXPECT_EQ(
         warnings("one.obj", {"--camera", "180,0", "--band-memory", "1"}, "2000x2000"),

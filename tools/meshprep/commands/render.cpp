@@ -394,7 +394,7 @@ class Rendering {
         if (const std::uint64_t broken = drawn.frame.counters.non_finite; broken > 0)
             once("broken", count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");
-        if (const auto why = why_empty(drawn.frame.counters, plan.triangles, request_.cull))
+        if (const auto why = why_empty(drawn.frame.counters, plan.triangles, request_))
             once("empty", *why);
         for (const std::string& text : drawn.frame.warnings) once(text, text);
         if (const auto black = drawn.black.warning(*prepared_)) once("black", *black);

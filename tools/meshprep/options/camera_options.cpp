@@ -1,5 +1,6 @@
 #include "meshprep/options/camera_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -86,7 +87,10 @@ void add_camera_up_option(OptionSet& options, CameraWishes& c, const Option& fro
         .value(
             "--up", "X,Y,Z",
             [&c](const std::string& text) {
-                place_of(c).up = parse_place("--up", text);
+                // As long as it may be; zero stays zero.
+                const glm::dvec3 up = parse_place("--up", text);
+                const double longest = std::max({std::abs(up.x), std::abs(up.y), std::abs(up.z)});
+                place_of(c).up = longest > 0 ? up / longest : up;
                 place_of(c).up_given = true;
             },
             "Which way is up in the picture (default 0,1,0)")

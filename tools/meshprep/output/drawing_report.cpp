@@ -205,15 +205,16 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
 }
 
 std::optional<std::string> why_empty(const rast::Counters& counters, std::uint64_t triangles,
-                                     prep::Cull cull) {
-    const std::string culled = cull == prep::Cull::front
+                                     const rast::RenderRequest& request) {
+    const std::string culled = request.cull == prep::Cull::front
                                    ? "seen from the front, which --cull front leaves out"
                                    : "seen from behind (--cull none draws both sides)";
     const std::pair<std::uint64_t, std::string> reasons[] = {
         {counters.facing_away, culled},
         {counters.outside, "outside of it or behind the camera"},
         {counters.degenerate, "without an area in it"},
-        {counters.between_samples, "too small to cover a pixel's centre"},
+        {request.coverage == rast::Coverage::area ? 0 : counters.between_samples,
+         "too small to cover a pixel's centre"},
         {counters.non_finite, "at no point of space"}};
     // Drawn in bands, each counts them.
     const bool counts = counters.triangles == triangles;

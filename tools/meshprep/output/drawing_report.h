@@ -43,8 +43,9 @@ void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
 
 // What the scene has and no picture shows.
 std::vector<std::string> not_drawn(const prep::PreparedScene& prepared);
-// Why there is nothing to be seen where all of the scene's `triangles` were left out.
+// Why there is nothing to be seen where all of the scene's `triangles` were left out. With exact
+// areas those between pixels' centres are drawn.
 std::optional<std::string> why_empty(const rast::Counters& counters, std::uint64_t triangles,
-                                     prep::Cull cull);
+                                     const rast::RenderRequest& request);
 
 }  // namespace meshprep

@@ -214,7 +214,8 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
         json, "bufferViews", keep_all, [&](const ReferenceVisit& v) { visit_views(json, v); },
         lost_extras);
     if (lost_extras)
-        note_once(notes, "extras of accessors and bufferViews whose data was replaced were left out");
+        note_once(notes,
+                  "extras of accessors and bufferViews whose data was replaced were left out");
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
         const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;

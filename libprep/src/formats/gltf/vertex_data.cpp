@@ -117,7 +117,8 @@ Result<void> VertexData::append_named(const std::string& name, const RawAccessor
 Result<void> VertexData::widen(VertexAttribute& attribute, Index width,
                                const std::string& pointer) {
     const std::size_t vertices = attribute.values.size() / attribute.width;
-    if (auto done = budget_.spend(vertices * (width - attribute.width) * sizeof(float), pointer); !done)
+    if (auto done = budget_.spend(vertices * (width - attribute.width) * sizeof(float), pointer);
+        !done)
         return done;
     std::vector<float> values(vertices * width, 0.0f);
     for (std::size_t v = 0; v < vertices; ++v)
