@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <tuple>
@@ -13,6 +12,7 @@
 #include "prep/load.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
+#include "shapes.h"
 #include "shared_data.h"
 #include "written_gltf.h"
 
@@ -220,16 +220,13 @@ TEST(GltfCompressionOdd, PositionsThatAreNotFiniteStayUncompressed) {
 TEST(GltfCompressionOdd, PolesOfVeryManyTrianglesKeepTheirOrder) {
     const test::TempDir dir;
     for (const std::uint32_t around : {1000u, 5000u}) {
-        std::vector<float> points{0, 0, 1};
-        std::vector<std::uint32_t> indices;
-        for (std::uint32_t k = 0; k < around; ++k) {
-            const double angle = 2 * 3.14159265358979 * k / around;
-            points.insert(points.end(), {float(std::cos(angle)), float(std::sin(angle)), 0});
-            indices.insert(indices.end(), {0, k + 1, (k + 1) % around + 1});
-        }
+        const prep::Mesh fan = shapes::fan(around);
+        std::vector<float> points;
+        for (const glm::vec3& p : fan.positions) points.insert(points.end(), {p.x, p.y, p.z});
         Maker d;
         const Maker::Json attributes{{"POSITION", d.accessor(points, "VEC3")}};
-        d.mesh({{{"attributes", attributes}, {"indices", d.accessor(indices, "SCALAR")}}});
+        d.mesh(
+            {{{"attributes", attributes}, {"indices", d.accessor(fan.corner_vertices, "SCALAR")}}});
         auto scene = d.read();
         ASSERT_TRUE(scene) << prep::to_string(scene.error());
         const std::vector<glm::vec3> before = scene->meshes[0].positions;

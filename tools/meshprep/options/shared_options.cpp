@@ -71,20 +71,12 @@ void parse_repair(const std::string& text, prep::RepairOptions& repair) {
             !(value[0] >= 3 && value[0] <= 1000 && value[0] == std::floor(value[0])))
             usage_error("--repair", "'" + word + "': holes of 3 to 1000 edges can be filled");
         const bool all = name == "all";
-        bool known = all;
-        if (name == "weld") {
-            repair.weld_tolerance = valued ? value[0] : 0;
-            known = true;
-        }
-        if (all || name == "holes") {
+        bool known = all || name == "weld" || name == "holes";
+        if (name == "weld") repair.weld_tolerance = valued ? value[0] : 0;
+        if (all || name == "holes")
             repair.hole_edges = valued ? static_cast<std::uint32_t>(value[0]) : default_hole_edges;
-            known = true;
-        }
-        for (const auto& [word_of_it, choice] : repair_choices)
-            if (all || name == word_of_it) {
-                repair.*choice = true;
-                known = true;
-            }
+        for (const auto& [choice_name, choice] : repair_choices)
+            if (all || name == choice_name) known = repair.*choice = true;
         if (!known)
             usage_error("--repair",
                         "'" + name +
