@@ -133,17 +133,12 @@ void add_triangle(Mesh& mesh, const Index (&corners)[3], Index rim_face) {
         if (!per_face->empty()) per_face->push_back(Index((*per_face)[rim_face]));
 }
 
-}  // namespace
-
-RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads) {
-    RepairStep step;
-    step.step = "holes";
-    step.place_kind = PlaceKind::edge;
-    step.text = "holes were filled";
-    const Topology topology = repair_topology(mesh, threads);
-    const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
+// Half-edges around each hole, in the rim's direction. Those of more edges than `most_edges`, or
+// that do not come back to where they began, are counted in `left`.
+std::vector<std::vector<Index>> open_loops(const Mesh& mesh, const Topology& topology,
+                                           std::uint32_t most_edges, std::uint64_t& left) {
     std::vector<std::uint8_t> seen(mesh.corner_count(), 0);
-    std::vector<std::vector<Index>> loops;  // half-edges in the rim's direction
+    std::vector<std::vector<Index>> loops;
     const Index corners = Index(mesh.corner_count());
     for (Index c = 0; c < corners; ++c) {
         if (seen[c] || topology.kinds[c] != EdgeKind::border) continue;
@@ -154,60 +149,99 @@ RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads) {
             loop.push_back(k);
             k = next_open(mesh, topology, k);
         }
-        if (k != c || loop.size() > most_edges) {
-            ++step.left;
-            continue;
-        }
-        loops.push_back(std::move(loop));
+        if (k != c || loop.size() > most_edges)
+            ++left;
+        else
+            loops.push_back(std::move(loop));
     }
-    const auto point = [&](Index c) { return topology.welded[mesh.corner_vertices[c]]; };
-    std::unordered_set<std::uint64_t> edges;
-    if (!loops.empty())
+    return loops;
+}
+
+class HoleFiller {
+  public:
+    HoleFiller(Mesh& mesh, const Topology& topology, const FaceNormals& faces)
+        : mesh_(mesh), topology_(topology), faces_(faces) {
+        const Index corners = Index(mesh.corner_count());
         for (Index c = 0; c < corners; ++c)
-            edges.insert(edge_key(
+            edges_.insert(edge_key(
                 point(c), point(next_corner(mesh.face_offsets, topology.corner_faces[c], c))));
-    Places places;
-    for (const std::vector<Index>& loop : loops) {
-        bool usable = loop.size() >= 3;
-        std::vector<Index> met;
-        for (const Index c : loop) {
-            const Index f = topology.corner_faces[c];
-            met.push_back(point(c));
-            usable &= faces.states[f] == FaceState::regular;
-            if (!mesh.face_parts.empty())
-                usable &= mesh.face_parts[f] == mesh.face_parts[topology.corner_faces[loop[0]]];
-        }
-        std::sort(met.begin(), met.end());
-        usable &= std::adjacent_find(met.begin(), met.end()) == met.end();
-        std::vector<std::size_t> triangles;
+    }
+
+    // Whether the hole could be filled.
+    bool fill(const std::vector<Index>& loop) {
+        if (!is_usable(loop)) return false;
         // The fill runs against the rim: its points in reverse.
-        std::vector<Index> reversed(loop.rbegin(), loop.rend());
-        if (usable) {
-            std::vector<glm::dvec3> points, rims;
-            for (std::size_t i = 0; i < reversed.size(); ++i) {
-                points.emplace_back(mesh.positions[mesh.corner_vertices[reversed[i]]]);
-                // The edge from point i to i + 1 of the reversed loop is that of the half-edge that
-                // leaves point i + 1.
-                rims.push_back(
-                    faces.area_vectors[topology.corner_faces[reversed[(i + 1) % reversed.size()]]]);
-            }
-            const auto taken = [&](std::size_t i, std::size_t j) {
-                return edges.contains(edge_key(point(reversed[i]), point(reversed[j])));
-            };
-            triangles = LoopTriangulation(points, rims, taken).triangles();
-        }
-        if (triangles.empty()) {
-            ++step.left;
-            continue;
-        }
+        const std::vector<Index> reversed(loop.rbegin(), loop.rend());
+        const std::vector<std::size_t> triangles = triangulation(reversed);
         for (std::size_t i = 0; i < triangles.size(); i += 3) {
             const Index at[3] = {reversed[triangles[i]], reversed[triangles[i + 1]],
                                  reversed[triangles[i + 2]]};
             for (int k = 0; k < 3; ++k)
-                edges.insert(edge_key(point(at[k]), point(at[(k + 1) % 3])));
-            add_triangle(mesh, at, topology.corner_faces[at[0]]);
+                edges_.insert(edge_key(point(at[k]), point(at[(k + 1) % 3])));
+            add_triangle(mesh_, at, topology_.corner_faces[at[0]]);
         }
-        places.add(loop[0]);
+        return !triangles.empty();
+    }
+
+  private:
+    Index point(Index c) const { return topology_.welded[mesh_.corner_vertices[c]]; }
+
+    // Of one part, touching neither itself nor faces without area.
+    bool is_usable(const std::vector<Index>& loop) const {
+        bool usable = loop.size() >= 3;
+        std::vector<Index> met;
+        for (const Index c : loop) {
+            const Index f = topology_.corner_faces[c];
+            met.push_back(point(c));
+            usable &= faces_.states[f] == FaceState::regular;
+            if (!mesh_.face_parts.empty())
+                usable &= mesh_.face_parts[f] == mesh_.face_parts[topology_.corner_faces[loop[0]]];
+        }
+        std::sort(met.begin(), met.end());
+        return usable && std::adjacent_find(met.begin(), met.end()) == met.end();
+    }
+
+    // Three places in `reversed` each; empty where none fits.
+    std::vector<std::size_t> triangulation(const std::vector<Index>& reversed) const {
+        std::vector<glm::dvec3> points, rims;
+        for (std::size_t i = 0; i < reversed.size(); ++i) {
+            points.emplace_back(mesh_.positions[mesh_.corner_vertices[reversed[i]]]);
+            // The edge from point i to i + 1 of the reversed loop is that of the half-edge that
+            // leaves point i + 1.
+            rims.push_back(
+                faces_.area_vectors[topology_.corner_faces[reversed[(i + 1) % reversed.size()]]]);
+        }
+        const auto taken = [&](std::size_t i, std::size_t j) {
+            return edges_.contains(edge_key(point(reversed[i]), point(reversed[j])));
+        };
+        return LoopTriangulation(points, rims, taken).triangles();
+    }
+
+    Mesh& mesh_;
+    const Topology& topology_;
+    const FaceNormals& faces_;
+    std::unordered_set<std::uint64_t> edges_;
+};
+
+}  // namespace
+
+RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads) {
+    RepairStep step;
+    step.step = "holes";
+    step.place_kind = PlaceKind::edge;
+    step.text = "holes were filled";
+    const Topology topology = repair_topology(mesh, threads);
+    const std::vector<std::vector<Index>> loops = open_loops(mesh, topology, most_edges, step.left);
+    Places places;
+    if (!loops.empty()) {
+        const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
+        HoleFiller filler(mesh, topology, faces);
+        for (const std::vector<Index>& loop : loops) {
+            if (filler.fill(loop))
+                places.add(loop[0]);
+            else
+                ++step.left;
+        }
     }
     step.changed = places.count;
     step.places = std::move(places.first);

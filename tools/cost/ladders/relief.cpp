@@ -137,18 +137,37 @@ Pixels lit(const std::vector<Vector>& normals, const Vector& towards) {
     return out;
 }
 
-}  // namespace
+struct Row {
+    Shown shown;
+    const char *name, *command, *because;
+    std::vector<int> sizes;
+    std::vector<const char*> chord_errors;
+};
 
-prep::Result<Ladder> relief_ladder(const Subject& subject) {
-    struct State {
-        std::vector<Vector> normals;
-        Pixels truth;
-    };
-    const Vector towards = Vector(2, 3, 6) / Real(7);
-    const auto s = std::make_shared<State>();
-    s->normals = true_normals();
-    s->truth = lit(s->normals, towards);
+std::vector<Row> rows() {
+    return {{Shown::bump,
+             "bump map",
+             "render --shading normal-mapped",
+             "slopes are taken to the surface by gradients of UVs, at each pixel",
+             {32, 64, 128, 256},
+             {""}},
+            {Shown::normal_map,
+             "normal map",
+             "render --shading normal-mapped --filter trilinear",
+             "larger maps take longer to read",
+             {32, 64, 128, 256},
+             {""}},
+            {Shown::displaced,
+             "displaced",
+             "prepare --displace materials --height-filter bicubic --chord-error ",
+             "chord errors bound positions: normals between vertices are off by more, and heights "
+             "that are seen from above move nothing in the picture",
+             {256},
+             {"0.003", "0.001", "0.0003", "0.0001"}}};
+}
 
+// Without its rungs.
+Ladder described() {
     Ladder ladder;
     ladder.name = "relief";
     ladder.title = "Bump maps, normal maps and displaced triangles";
@@ -167,66 +186,61 @@ prep::Result<Ladder> relief_ladder(const Subject& subject) {
                       {"RMSE", "", "linear light"},
                       {"triangles", "", ""}};
     ladder.reference_is_default = false;
-    struct Row {
-        Shown shown;
-        const char *name, *command, *because;
-        std::vector<int> sizes;
-        std::vector<const char*> chord_errors;
+    return ladder;
+}
+
+struct Truth {
+    std::vector<Vector> normals;
+    Pixels picture;
+};
+
+prep::Result<Rung> rung_of(const Row& row, int size, const std::string& chord_error,
+                           const glm::dvec3& towards, const std::shared_ptr<Truth>& truth,
+                           int threads) {
+    const auto scene = scene_shown(heights_of(size), row.shown,
+                                   std::strtod(chord_error.c_str(), nullptr), threads);
+    if (!scene) return scene.error();
+    Rung rung;
+    rung.name = row.shown == Shown::displaced ? fmt::format("{}, {}", row.name, chord_error)
+                                              : fmt::format("{}, {}²", row.name, size);
+    rung.command = row.command + chord_error;
+    rung.because = row.because;
+    const auto drawing = std::make_shared<Drawing>(*scene, request_of(towards, threads));
+    rung.run = [drawing] { return drawing->draw(); };
+    rung.judge = [truth, drawing, triangles = double((*scene)->meshes[0].triangle_count())] {
+        std::vector<double> errors;
+        for (std::size_t p = 0; p < truth->normals.size(); ++p)
+            errors.push_back(
+                degrees_between(Vector(drawing->frame().normal[p]), truth->normals[p]));
+        std::vector<double> numbers = three_of(errors);
+        numbers.push_back(picture_error(first_channel(drawing->frame()), truth->picture).rmse);
+        numbers.push_back(triangles);
+        return numbers;
     };
-    const Row rows[] = {
-        {Shown::bump,
-         "bump map",
-         "render --shading normal-mapped",
-         "slopes are taken to the surface by gradients of UVs, at each pixel",
-         {32, 64, 128, 256},
-         {""}},
-        {Shown::normal_map,
-         "normal map",
-         "render --shading normal-mapped --filter trilinear",
-         "larger maps take longer to read",
-         {32, 64, 128, 256},
-         {""}},
-        {Shown::displaced,
-         "displaced",
-         "prepare --displace materials --height-filter bicubic --chord-error ",
-         "chord errors bound positions: normals between vertices are off by more, and heights "
-         "that are seen from above move nothing in the picture",
-         {256},
-         {"0.003", "0.001", "0.0003", "0.0001"}}};
-    for (const Row& row : rows)
+    rung.look = [truth, drawing] {
+        return look_of(first_channel(drawing->frame()), truth->picture);
+    };
+    return rung;
+}
+
+}  // namespace
+
+prep::Result<Ladder> relief_ladder(const Subject& subject) {
+    const Vector towards = Vector(2, 3, 6) / Real(7);
+    const auto truth = std::make_shared<Truth>();
+    truth->normals = true_normals();
+    truth->picture = lit(truth->normals, towards);
+
+    Ladder ladder = described();
+    for (const Row& row : rows())
         for (const int size : row.sizes)
-            for (const std::string chord_error : row.chord_errors) {
-                const auto scene =
-                    scene_shown(heights_of(size), row.shown,
-                                std::strtod(chord_error.c_str(), nullptr), subject.threads);
-                if (!scene) return scene.error();
-                const bool displaced = row.shown == Shown::displaced;
-                Rung rung;
-                rung.name = displaced ? fmt::format("{}, {}", row.name, chord_error)
-                                      : fmt::format("{}, {}²", row.name, size);
-                rung.command = row.command + chord_error;
-                rung.because = row.because;
+            for (const char* const chord_error : row.chord_errors) {
+                prep::Result<Rung> rung =
+                    rung_of(row, size, chord_error, glm::dvec3(towards), truth, subject.threads);
+                if (!rung) return rung.error();
                 if (row.shown == Shown::normal_map && size == 64)
                     ladder.reference = ladder.rungs.size();
-                const auto drawing = std::make_shared<Drawing>(
-                    *scene, request_of(glm::dvec3(towards), subject.threads));
-                rung.run = [drawing] { return drawing->draw(); };
-                rung.judge = [s, drawing,
-                              triangles = double((*scene)->meshes[0].triangle_count())] {
-                    std::vector<double> errors;
-                    for (std::size_t p = 0; p < s->normals.size(); ++p)
-                        errors.push_back(
-                            degrees_between(Vector(drawing->frame().normal[p]), s->normals[p]));
-                    std::vector<double> numbers = three_of(errors);
-                    numbers.push_back(
-                        picture_error(first_channel(drawing->frame()), s->truth).rmse);
-                    numbers.push_back(triangles);
-                    return numbers;
-                };
-                rung.look = [s, drawing] {
-                    return look_of(first_channel(drawing->frame()), s->truth);
-                };
-                ladder.rungs.push_back(std::move(rung));
+                ladder.rungs.push_back(*std::move(rung));
             }
     return ladder;
 }

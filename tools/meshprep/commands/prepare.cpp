@@ -273,7 +273,8 @@ void check_budget(const PrepareCommand& c) {
     if (c.jobs != 1) usage_error("--budget-ms", "works on one file at a time; leave --jobs out");
 }
 
-void define(OptionSet& options, PrepareCommand& c) {
+// Which files, and of which format.
+void add_file_options(OptionSet& options, PrepareCommand& c) {
     options
         .paths(
             "input", c.files.inputs, "FILE|DIR",
@@ -285,6 +286,10 @@ void define(OptionSet& options, PrepareCommand& c) {
         "--format", output_endings(), [&c](const std::string& word) { c.files.format = word; },
         "Format of files written to a directory (default glb) or to standard output");
     options.flag("--ascii", c.files.ascii, "PLY and STL as text");
+}
+
+// How glTF files hold their vertices and triangles.
+void add_encoding_options(OptionSet& options, PrepareCommand& c) {
     options.named("--compress", c.compression,
                   "Vertices and triangles of glTF files: as the glTF input has them (keep, the "
                   "default), as they are, by Draco, or by meshopt. No value is changed, but where "
@@ -304,10 +309,10 @@ void define(OptionSet& options, PrepareCommand& c) {
                          "measured; exit 1 with the best found where none do");
     options.not_negative("--tangent-error", c.direction_errors.tangents, "DEG",
                          "The same of tangents");
-    options.not_negative("--budget-ms", c.budget_ms, "MS",
-                         "The most accurate normals, or with --subdivide SCHEME the finest level, "
-                         "that are predicted to be prepared within so many milliseconds, file by "
-                         "file; exit 1 with the fastest where none are");
+}
+
+// Which inputs become outputs, and what is told of them.
+void add_batch_options(OptionSet& options, PrepareCommand& c) {
     options.flag("--in-place", c.files.in_place, "Write each result over its input");
     options.flag(
         "-r,--recursive", c.files.recursive,
@@ -333,7 +338,10 @@ void define(OptionSet& options, PrepareCommand& c) {
     options.flag("--explain", c.explain,
                  "Each stage: run or skipped, its reason, its milliseconds; and for each mesh, "
                  "which material calls for which attributes");
-    add_consumer_option(options, c.consumer);
+}
+
+// Lengths and axes.
+void add_space_options(OptionSet& options, PrepareCommand& c) {
     options.value(
         "--scale", "FACTOR",
         [&c](const std::string& text) {
@@ -350,8 +358,10 @@ void define(OptionSet& options, PrepareCommand& c) {
     options.named("--up", c.up,
                   "The axis that points up, after what the file states of it: it is turned to y "
                   "(default y)");
-    add_input_options(options, c.common);
-    add_preparation_options(options, c.prepare);
+}
+
+// The picture whose pixels errors of triangles are measured in.
+void add_picture_options(OptionSet& options, PrepareCommand& c) {
     const Option pixel_error = add_pixel_error_option(options, c.prepare);
     options.group("Picture of --pixel-error");
     add_camera_options(options, c.camera);
@@ -366,24 +376,41 @@ void define(OptionSet& options, PrepareCommand& c) {
             },
             "Its pixels (default: the scene file's, else 1024x768)")
         .needs(pixel_error);
+}
+
+constexpr const char* prepare_examples =
+    "  meshprep prepare spot.obj -o spot.glb\n"
+    "  meshprep prepare part.stl -o part.glb --hard-angle 30 --explain\n"
+    "  meshprep prepare *.obj more/*.fbx -o out/        many files; a bad one stops no other\n"
+    "  meshprep prepare assets -r -o out --format gltf  a tree of files\n"
+    "  meshprep prepare spot.obj -o spot.glb --for shading=phong    no tangents for its maps\n"
+    "  meshprep prepare spot.obj -o spot.glb --optimize --compress meshopt\n"
+    "  meshprep prepare part.stl -o part.glb --scale 0.001 --up z   millimetres, z up\n"
+    "  meshprep prepare assets -r -o out --jobs 0 --manifest out/made.json --skip-unchanged\n"
+    "  curl -s $URL | meshprep prepare - -o - --format glb > chair.glb\n"
+    "  meshprep prepare rock.glb -o small.glb --quantize auto --normal-error 0.1\n"
+    "  meshprep prepare cage.obj -o fine.glb --subdivide catmark --budget-ms 100\n"
+    "  meshprep prepare rock.glb --in-place --tangents mikktspace";
+
+void define(OptionSet& options, PrepareCommand& c) {
+    add_file_options(options, c);
+    add_encoding_options(options, c);
+    options.not_negative("--budget-ms", c.budget_ms, "MS",
+                         "The most accurate normals, or with --subdivide SCHEME the finest level, "
+                         "that are predicted to be prepared within so many milliseconds, file by "
+                         "file; exit 1 with the fastest where none are");
+    add_batch_options(options, c);
+    add_consumer_option(options, c.consumer);
+    add_space_options(options, c);
+    add_input_options(options, c.common);
+    add_preparation_options(options, c.prepare);
+    add_picture_options(options, c);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     add_json_lines_option(options, c.common);
     options.keep_settings(c.settings, {"--output", "--jobs", "--manifest", "--skip-unchanged",
                                        "--explain", "--recursive", "--no-overwrite"});
-    options.examples(
-        "  meshprep prepare spot.obj -o spot.glb\n"
-        "  meshprep prepare part.stl -o part.glb --hard-angle 30 --explain\n"
-        "  meshprep prepare *.obj more/*.fbx -o out/        many files; a bad one stops no other\n"
-        "  meshprep prepare assets -r -o out --format gltf  a tree of files\n"
-        "  meshprep prepare spot.obj -o spot.glb --for shading=phong    no tangents for its maps\n"
-        "  meshprep prepare spot.obj -o spot.glb --optimize --compress meshopt\n"
-        "  meshprep prepare part.stl -o part.glb --scale 0.001 --up z   millimetres, z up\n"
-        "  meshprep prepare assets -r -o out --jobs 0 --manifest out/made.json --skip-unchanged\n"
-        "  curl -s $URL | meshprep prepare - -o - --format glb > chair.glb\n"
-        "  meshprep prepare rock.glb -o small.glb --quantize auto --normal-error 0.1\n"
-        "  meshprep prepare cage.obj -o fine.glb --subdivide catmark --budget-ms 100\n"
-        "  meshprep prepare rock.glb --in-place --tangents mikktspace");
+    options.examples(prepare_examples);
 }
 
 void check(const PrepareCommand& c) {

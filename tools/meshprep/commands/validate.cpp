@@ -204,20 +204,7 @@ class Validator {
         if (choice->left_out > 0)
             out_.warnings.push_back(fmt::format("{} left out; --max-meshes N draws more",
                                                 count_of(choice->left_out, "mesh", "meshes")));
-        out_.findings = check.findings;
-        for (const prep::Finding& f : prepared->findings) {
-            bool known = false;
-            for (const prep::Finding& other : check.findings)
-                known |= other.kind == f.kind && other.mesh == f.mesh;
-            if (!known) out_.findings.push_back(f);
-        }
-
-        // Of what is shown.
-        std::erase_if(out_.findings, [&](const prep::Finding& f) {
-            return !choice->whole && f.mesh != prep::no_index &&
-                   std::find(choice->meshes.begin(), choice->meshes.end(), f.mesh) ==
-                       choice->meshes.end();
-        });
+        out_.findings = findings_of(check, *prepared, *choice);
         const std::vector<std::string> stems = sheet_stems(*choice, prepared->scene, stem);
         if (std::optional<Error> refused = claim(stems)) return refused;
         if (const Result<void> made = shared_.directories.make(command_.output); !made)
@@ -230,28 +217,69 @@ class Validator {
         report::Page page;
         page.title = out_.input.filename().string();
         page.subtitle = subtitle(*prepared, check.meshes);
+        const Checked checked{check.meshes, called_for};
+        if (std::optional<Error> error =
+                add_sheets(page, *prepared, *choice, checked, beside, options, stems))
+            return error;
+        add_tables(page, *prepared);
+        return write(page);
+    }
+
+    // What the check and the preparation found of the meshes that are shown, each kind once.
+    static std::vector<prep::Finding> findings_of(const prep::SceneCheck& check,
+                                                  const prep::PreparedScene& prepared,
+                                                  const Choice& choice) {
+        std::vector<prep::Finding> findings = check.findings;
+        for (const prep::Finding& f : prepared.findings) {
+            bool known = false;
+            for (const prep::Finding& other : check.findings)
+                known |= other.kind == f.kind && other.mesh == f.mesh;
+            if (!known) findings.push_back(f);
+        }
+        std::erase_if(findings, [&](const prep::Finding& f) {
+            return !choice.whole && f.mesh != prep::no_index &&
+                   std::find(choice.meshes.begin(), choice.meshes.end(), f.mesh) ==
+                       choice.meshes.end();
+        });
+        return findings;
+    }
+
+    // Of each mesh, as it was read.
+    struct Checked {
+        const std::vector<prep::MeshSummary>& meshes;
+        const std::vector<prep::MeshRequirements>& called_for;
+    };
+
+    std::optional<Error> add_sheets(report::Page& page, const prep::PreparedScene& prepared,
+                                    const Choice& choice, const Checked& checked,
+                                    const std::optional<report::DisplacementViews>& beside,
+                                    const prep::PrepareOptions& options,
+                                    const std::vector<std::string>& stems) {
         std::size_t sheet = 0;
-        if (choice->whole) {
-            report::Subject whole = report::whole_subject(*prepared, "whole scene");
+        if (choice.whole) {
+            report::Subject whole = report::whole_subject(prepared, "whole scene");
             whole.beside = beside;
             if (std::optional<Error> error =
-                    add_sheet(page, std::move(whole), check.meshes, called_for, out_.findings,
-                              options, stems[sheet++]))
+                    add_sheet(page, std::move(whole), checked.meshes, checked.called_for,
+                              out_.findings, options, stems[sheet++]))
                 return error;
         }
-        for (const std::uint32_t m : choice->meshes) {
+        for (const std::uint32_t m : choice.meshes) {
             std::vector<prep::Finding> findings;
             for (const prep::Finding& f : out_.findings)
                 if (f.mesh == m) findings.push_back(f);
-            report::Subject subject = report::mesh_subject(*prepared, m);
-            if (beside && m < prepared->tessellated.size() && prepared->tessellated[m])
+            report::Subject subject = report::mesh_subject(prepared, m);
+            if (beside && m < prepared.tessellated.size() && prepared.tessellated[m])
                 subject.beside = report::views_of_mesh(*beside, m);
             if (std::optional<Error> error =
-                    add_sheet(page, std::move(subject), {check.meshes[m]}, {called_for[m]},
-                              findings, options, stems[sheet++]))
+                    add_sheet(page, std::move(subject), {checked.meshes[m]},
+                              {checked.called_for[m]}, findings, options, stems[sheet++]))
                 return error;
         }
-        add_tables(page, *prepared);
+        return {};
+    }
+
+    std::optional<Error> write(const report::Page& page) {
         progress("writing the page");
         const Result<std::string> html = report::html_page(page);
         if (!html) return html.error();

@@ -231,10 +231,6 @@ class OffParser {
 
     Result<void> faces(Mesh& mesh) {
         std::string_view line;
-        std::vector<Color> colors_of_faces;  // empty, or of the faces up to the last with one
-        bool passed_over = false;
-        std::uint64_t short_faces = 0;
-        std::size_t doubtful = 0;  // a line
         for (std::int64_t f = 0; f < header_.faces; ++f) {
             if (!lines_.next(line))
                 return fail("the file ends after " + std::to_string(f) + " of " +
@@ -244,74 +240,95 @@ class OffParser {
                                            " was read as the rest of the one before"
                                      : ""),
                             "");
-            LineScanner scan(line);
-            scan.skip_blanks();
-            std::int64_t corners = 0;
-            if (!scan.integer(corners) || corners < 0)
-                return fail("expected a number of corners", line);
-            const std::size_t first = mesh.corner_vertices.size(), began = lines_.number();
-            for (std::int64_t k = 0; k < corners; ++k) {
-                std::int64_t v = 0;
-                if (!lines_.goes_on(scan, line) || !scan.integer(v))
-                    return fail("expected " + std::to_string(corners) + " vertex indices", line);
-                if (v < 0 || v >= header_.vertices)
-                    return fail("vertex index " + std::to_string(v) +
-                                    " is out of range: the file has " +
-                                    std::to_string(header_.vertices),
-                                line, ErrorCode::invalid);
-                mesh.corner_vertices.push_back(std::uint32_t(v));
-            }
-            // One number alone would be an index into a list that is not in the file.
-            Color face_color;
-            const bool more = !scan.at_end();
-            // A face that has too few may have taken of the next one's.
-            if (more && lines_.number() != began && doubtful == 0) doubtful = lines_.number();
-            const bool colored =
-                more && !header_.c && corners >= 3 && color(scan, 0, face_color) >= 3;
-            passed_over |= more && !colored;
-            if (mesh.corner_vertices.size() >= no_index)
-                return fail("more than 2^32 - 2 corners", "", ErrorCode::limit);
-            if (corners == 2) {
-                for (std::size_t k = first; k < first + 2; ++k)
-                    mesh.line_vertices.push_back(mesh.corner_vertices[k]);
-                mesh.line_offsets.push_back(std::uint32_t(mesh.line_vertices.size()));
-            }
-            if (corners < 3) {
-                short_faces += corners != 2;
-                mesh.corner_vertices.resize(first);
-                continue;
-            }
-            if (colored) {
-                colors_of_faces.resize(mesh.face_count());
-                colors_of_faces.push_back(face_color);
-            }
-            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+            if (auto done = face(mesh, line); !done) return done;
         }
         if (lines_.first_wrapped() && lines_.next(line))
             return fail("the file goes on after its faces; line " +
                             std::to_string(lines_.first_wrapped()) +
                             " was read as the rest of the one before",
                         line);
-        if (doubtful > 0)
-            scene_.warnings.push_back(name_ + ":" + std::to_string(doubtful) +
+        tell_of_faces();
+        if (!face_colors_.empty()) detail::set_face_colors(mesh, linear(face_colors_));
+        attach_vertex_values(mesh);
+        return {};
+    }
+
+    // Of two corners: a line; of fewer: nothing.
+    Result<void> face(Mesh& mesh, std::string_view line) {
+        LineScanner scan(line);
+        scan.skip_blanks();
+        std::int64_t corners = 0;
+        if (!scan.integer(corners) || corners < 0)
+            return fail("expected a number of corners", line);
+        const std::size_t first = mesh.corner_vertices.size(), began = lines_.number();
+        if (auto done = face_vertices(mesh, corners, scan, line); !done) return done;
+        // One number alone would be an index into a list that is not in the file.
+        Color face_color;
+        const bool more = !scan.at_end();
+        // A face that has too few may have taken of the next one's.
+        if (more && lines_.number() != began && doubtful_face_ == 0)
+            doubtful_face_ = lines_.number();
+        const bool colored = more && !header_.c && corners >= 3 && color(scan, 0, face_color) >= 3;
+        skipped_face_values_ |= more && !colored;
+        if (mesh.corner_vertices.size() >= no_index)
+            return fail("more than 2^32 - 2 corners", "", ErrorCode::limit);
+        if (corners == 2) {
+            for (std::size_t k = first; k < first + 2; ++k)
+                mesh.line_vertices.push_back(mesh.corner_vertices[k]);
+            mesh.line_offsets.push_back(std::uint32_t(mesh.line_vertices.size()));
+        }
+        if (corners < 3) {
+            short_faces_ += corners != 2;
+            mesh.corner_vertices.resize(first);
+            return {};
+        }
+        if (colored) {
+            face_colors_.resize(mesh.face_count());
+            face_colors_.push_back(face_color);
+        }
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        return {};
+    }
+
+    Result<void> face_vertices(Mesh& mesh, std::int64_t corners, LineScanner& scan,
+                               std::string_view& line) {
+        for (std::int64_t k = 0; k < corners; ++k) {
+            std::int64_t v = 0;
+            if (!lines_.goes_on(scan, line) || !scan.integer(v))
+                return fail("expected " + std::to_string(corners) + " vertex indices", line);
+            if (v < 0 || v >= header_.vertices)
+                return fail("vertex index " + std::to_string(v) +
+                                " is out of range: the file has " +
+                                std::to_string(header_.vertices),
+                            line, ErrorCode::invalid);
+            mesh.corner_vertices.push_back(std::uint32_t(v));
+        }
+        return {};
+    }
+
+    void tell_of_faces() {
+        if (doubtful_face_ > 0)
+            scene_.warnings.push_back(name_ + ":" + std::to_string(doubtful_face_) +
                                       ": read as the rest of the face before, and what is left of "
                                       "it as its colour");
-        if (short_faces)
-            scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces) +
+        if (short_faces_)
+            scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces_) +
                                       " faces with fewer than two corners were dropped");
-        if (passed_over)
+        if (skipped_face_values_)
             scene_.warnings.push_back(
                 name_ + (header_.c ? ": colours of faces were skipped: vertices have their own"
                                    : ": colours that are numbers of a list, or of lines, were "
                                      "skipped"));
-        if (!colors_of_faces.empty()) detail::set_face_colors(mesh, linear(colors_of_faces));
+    }
+
+    void attach_vertex_values(Mesh& mesh) {
         if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
             if ((header_.n || header_.st) && !mesh.positions.empty())
                 scene_.warnings.push_back(name_ +
                                           detail::values_of_points_left_out(header_.n, header_.st));
             if (mesh.line_vertices.empty())
                 for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.points.push_back(v);
-            return {};
+            return;
         }
         if (header_.n) {
             mesh.normals.values = std::move(normals_);
@@ -322,7 +339,6 @@ class OffParser {
             mesh.uvs[0].values = std::move(uvs_);
             mesh.uvs[0].indices = mesh.corner_vertices;
         }
-        return {};
     }
 
     void colors(Mesh& mesh) {
@@ -341,6 +357,10 @@ class OffParser {
     std::vector<glm::vec3> normals_;
     std::vector<glm::vec2> uvs_;
     std::vector<Color> colors_;
+    std::vector<Color> face_colors_;  // empty, or of the faces up to the last with one
+    bool skipped_face_values_ = false;
+    std::uint64_t short_faces_ = 0;
+    std::size_t doubtful_face_ = 0;  // a line
 };
 
 }  // namespace
