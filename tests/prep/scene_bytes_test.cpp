@@ -25,6 +25,7 @@ Scene full_scene() {
     s.name = "scene";
     s.source = "a/b.fbx";
     s.libraries = {"a/b.md5anim", "c"};
+    s.library_missing = true;
     prep::Mesh& m = s.meshes.emplace_back();
     m.name = "mesh";
     m.origin = {1e6, -2e6, 0.1};
@@ -121,6 +122,7 @@ TEST(SceneBytes, EveryMemberArrives) {
     EXPECT_EQ(to.name, from.name);
     EXPECT_EQ(to.source, from.source);
     EXPECT_EQ(to.libraries, from.libraries);
+    EXPECT_EQ(to.library_missing, from.library_missing);
     ASSERT_EQ(to.meshes.size(), 1u);
     const prep::Mesh &a = from.meshes[0], &b = to.meshes[0];
     EXPECT_EQ(b.name, a.name);

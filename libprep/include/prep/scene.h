@@ -149,6 +149,7 @@ struct Scene {
     std::string name;
     std::filesystem::path source;                  // the file it came from
     std::vector<std::filesystem::path> libraries;  // other files read with it, but for images
+    bool library_missing = false;                  // such a file was not there to be read
     std::vector<Mesh> meshes;
     std::vector<Node> nodes;
     std::vector<Material> materials;

@@ -159,10 +159,10 @@ void fields(List& list, T& t) {
 // What our own readers keep of their files never leaves the process: none of them is contained.
 template <class List, Is<Scene> T>
 void fields(List& list, T& t) {
-    all_members<T>(list, t.name, t.source, t.libraries, t.meshes, t.nodes, t.materials, t.textures,
-                   t.images, t.lights, t.cameras, t.skins, t.animations, t.active_camera,
-                   t.placement, LeftOut{} /* retained_file */, t.source_bytes, t.warnings,
-                   t.remarks);
+    all_members<T>(list, t.name, t.source, t.libraries, t.library_missing, t.meshes, t.nodes,
+                   t.materials, t.textures, t.images, t.lights, t.cameras, t.skins, t.animations,
+                   t.active_camera, t.placement, LeftOut{} /* retained_file */, t.source_bytes,
+                   t.warnings, t.remarks);
 }
 
 }  // namespace prep::detail

@@ -118,8 +118,7 @@ void note_sources(const InputFile& input, const prep::Scene& scene, const Prepar
             }
         out.complete &= !image.path.empty() || !image.bytes.empty() || !image.channels.empty();
     }
-    for (const std::string& text : scene.warnings)
-        out.complete &= text.find("cannot be read") == std::string::npos;
+    out.complete &= !scene.library_missing;
     if (displacement.map) files.push_back(displacement.map->path);
     if (const auto source = input.source())
         add(*source);

@@ -388,7 +388,7 @@ class Assembler {
     };
 
     void missing(const std::string& name) {
-        missing_library_ = true;
+        missing_library_ = scene_.library_missing = true;
         warn_named("material library '" + name +
                    "' cannot be read: its materials get the default look");
     }

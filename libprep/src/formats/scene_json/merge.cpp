@@ -65,6 +65,7 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadF
     };
     if (!part.source.empty()) read(std::move(part.source));
     for (std::filesystem::path& library : part.libraries) read(std::move(library));
+    into.library_missing |= part.library_missing;
     append(into.images, std::move(part.images));
     append(into.textures, std::move(part.textures));
     append(into.materials, std::move(part.materials));
