@@ -203,12 +203,13 @@ TEST_F(LoadImage, MissingFileFolderAndMakeBelieveFormatsAreErrors) {
     EXPECT_EQ(prep::load_image(dir_).error().code, prep::ErrorCode::io);
     std::ofstream(dir_ / "a.null") << "x";
     EXPECT_FALSE(prep::load_image(dir_ / "a.null"));
-    EXPECT_EQ(prep::load_image(prep::ImageRef{"nameless", {}, {}, {}}).error().place, "nameless");
+    EXPECT_EQ(prep::load_image(prep::ImageRef{"nameless", {}, {}, {}, {}}).error().place,
+              "nameless");
 }
 
 TEST_F(LoadImage, EmbeddedBytesWinOverThePath) {
     const auto bytes = prep::encode_png(gradient(3, 3, 3));
-    prep::ImageRef ref{"embedded", dir_ / "missing.png", *bytes, "image/png"};
+    prep::ImageRef ref{"embedded", dir_ / "missing.png", *bytes, {}, "image/png"};
     EXPECT_TRUE(prep::load_image(ref));
 }
 

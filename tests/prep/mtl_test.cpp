@@ -7,6 +7,7 @@
 #include "formats/obj/obj.h"
 #include "invariants.h"
 #include "mesh_files.h"
+#include "prep/image.h"
 #include "prep/save.h"
 #include "shapes.h"
 
@@ -310,6 +311,110 @@ TEST(MtlFile, WrittenMaterialsReadBack) {
               (dir / "tex 1.png").lexically_normal());
     EXPECT_TRUE(again->materials[1].unlit);
     EXPECT_EQ(again->meshes[0].face_materials, first->meshes[0].face_materials);
+}
+
+// A triangle with one material and one picture of 2 × 2 texels, all of a colour.
+class WrittenMtl : public ::testing::Test {
+  protected:
+    WrittenMtl() {
+        const prep::Image image{
+            2, 2, 3, {0.25f, 0.75f, 1, 0.25f, 0.75f, 1, 0.25f, 0.75f, 1, 0.25f, 0.75f, 1}};
+        scene_.images.resize(1);
+        scene_.images[0].bytes = *prep::encode_png(image, prep::PixelType::u16);
+        scene_.textures.resize(1);
+        scene_.textures[0].image = 0;
+        scene_.materials.resize(1);
+        scene_.materials[0].name = "m";
+        scene_.meshes.push_back(shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+        scene_.meshes[0].face_materials = {0};
+        scene_.meshes[0].uvs.push_back({{{0, 0}, {1, 0}, {0, 1}}, {0, 1, 2}});
+        prep::instance_unused_meshes(scene_);
+    }
+    prep::Material& material() { return scene_.materials[0]; }
+    // As it is read again, with what the writer told.
+    prep::Scene read_back(std::vector<std::string>& notes) {
+        auto saved = prep::save_scene(test::untouched(scene_), dir_ / "a.obj");
+        EXPECT_TRUE(saved.has_value());
+        if (saved) notes = *std::move(saved);
+        auto again = prep::load_obj(dir_ / "a.obj");
+        EXPECT_TRUE(again.has_value());
+        return again ? *std::move(again) : prep::Scene{};
+    }
+    test::TempDir dir_;
+    prep::Scene scene_;
+};
+
+TEST_F(WrittenMtl, GreenThatPointsDownIsTurnedOver) {
+    material().normal_map.texture = 0;
+    material().normal_map_flip_green = true;
+    std::vector<std::string> notes;
+    const prep::Scene again = read_back(notes);
+    const prep::Material& m = again.materials.at(0);
+    ASSERT_TRUE(m.normal_map);
+    EXPECT_FALSE(m.normal_map_flip_green);
+    const auto image = prep::load_image(again.images[again.textures[m.normal_map.texture].image]);
+    ASSERT_TRUE(image.has_value());
+    for (std::size_t i = 0; i < image->pixels.size(); i += image->channels) {
+        EXPECT_NEAR(image->pixels[i], 0.25, 1e-5);  // of 16 bits
+        EXPECT_NEAR(image->pixels[i + 1], 0.25, 1e-5);
+        EXPECT_NEAR(image->pixels[i + 2], 1, 1e-5);
+    }
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("its green turned over"), std::string::npos) << notes[0];
+}
+
+TEST_F(WrittenMtl, ObjectSpaceNormalMapsAreLeftOut) {
+    material().normal_map.texture = 0;
+    material().normal_map_space = prep::NormalMapSpace::object;
+    std::vector<std::string> notes;
+    EXPECT_FALSE(read_back(notes).materials.at(0).normal_map);
+    EXPECT_EQ(notes, std::vector<std::string>{"MTL has no object-space normal maps: left out"});
+}
+
+TEST_F(WrittenMtl, WhatIsBlackStaysBlack) {
+    material().diffuse = {0, 0, 0, 1};
+    material().diffuse_map.texture = 0;
+    material().emissive_map.texture = 0;
+    material().specular_map.texture = 0;
+    std::vector<std::string> notes;
+    const prep::Scene again = read_back(notes);
+    const prep::Material& m = again.materials.at(0);
+    EXPECT_TRUE(m.specular_map);
+    EXPECT_TRUE(!m.diffuse_map || glm::vec3(m.diffuse) == glm::vec3(0));
+    EXPECT_TRUE(!m.emissive_map || m.emissive == glm::vec3(0));
+    EXPECT_EQ(notes.size(), 1u);
+    material().diffuse = {0, 0.5f, 0, 1};
+    EXPECT_TRUE(read_back(notes).materials.at(0).diffuse_map);
+}
+
+TEST_F(WrittenMtl, AnExponentOfZeroStays) {
+    material().specular = glm::vec3(0.5f);
+    material().shininess = 0;
+    std::vector<std::string> notes;
+    const prep::Scene again = read_back(notes);
+    EXPECT_LT(again.materials.at(0).shininess, 0.001f);
+    EXPECT_EQ(again.materials.at(0).specular, glm::vec3(0.5f));
+    EXPECT_TRUE(again.warnings.empty()) << again.warnings.at(0);
+}
+
+// With another set's UVs the map would be seen.
+TEST_F(WrittenMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
+    material().diffuse_map = {.texture = 0, .uv_set = 1};
+    std::vector<std::string> notes;
+    EXPECT_TRUE(read_back(notes).meshes.at(0).uvs.empty());
+    EXPECT_EQ(notes, std::vector<std::string>{"faces without the UV set that their material's "
+                                              "maps read are written without UVs"});
+    material().diffuse_map.uv_set = 0;
+    EXPECT_EQ(read_back(notes).meshes.at(0).uvs.size(), 1u);
+}
+
+TEST_F(WrittenMtl, BordersAroundTexturesAreToldInGltf) {
+    material().diffuse_map.texture = 0;
+    scene_.textures[0].wrap_v = prep::Wrap::border;
+    const auto notes = prep::save_scene(test::untouched(scene_), dir_ / "a.glb");
+    ASSERT_TRUE(notes.has_value());
+    EXPECT_EQ(*notes, std::vector<std::string>{"glTF has no borders around textures: they are "
+                                               "clamped to their edges instead"});
 }
 
 }  // namespace

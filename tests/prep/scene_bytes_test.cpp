@@ -83,7 +83,8 @@ Scene full_scene() {
     material.double_sided = true;
     s.textures = {{0, prep::Wrap::mirror, prep::Wrap::border, prep::Filter::nearest,
                    prep::Filter::nearest, prep::MipFilter::none}};
-    s.images = {{"i", "textures/i.png", {std::byte(0), std::byte(255)}, "image/png"}};
+    s.images = {{"i", "textures/i.png", {std::byte(0), std::byte(255)}, "b/j.png", "image/png"}};
+    s.passed_over = {"a/i.png"};
     s.lights = {{"lamp", prep::LightKind::spot, {1, 2, 3}, 4, 5, 6, 7}};
     s.cameras = {{"eye", false, 1, 2, 3, 4, 5, 6}};
     s.skins = {{"skin", {1, 0}, {glm::mat4(3), glm::mat4(4)}}};
@@ -203,6 +204,8 @@ TEST(SceneBytes, EveryMemberArrives) {
     ASSERT_EQ(to.images.size(), 1u);
     EXPECT_EQ(to.images[0].path, from.images[0].path);
     EXPECT_EQ(to.images[0].bytes, from.images[0].bytes);
+    EXPECT_EQ(to.images[0].read_from, from.images[0].read_from);
+    EXPECT_EQ(to.passed_over, from.passed_over);
     EXPECT_EQ(to.images[0].name + to.images[0].mime_type, "iimage/png");
     ASSERT_EQ(to.lights.size(), 1u);
     const prep::Light& light = to.lights[0];

@@ -119,6 +119,50 @@ TEST_F(Resumed, APictureThatAppearsAtAnEarlierPlaceIsRead) {
     }
 }
 
+// At the very place that the file names, and of a library too; nothing else makes it done again.
+TEST_F(Resumed, AFileThatAppearsWhereItIsNamedIsRead) {
+    const auto picture = [](float shade) {
+        return prep::Image{2, 2, 3, std::vector<float>(12, shade)};
+    };
+    fs::create_directories(dir_ / "sub");
+    write_text(dir_ / "a.mtl", "newmtl m\nmap_Kd sub/tex.png\n");
+    write_text(dir_ / "a.obj", "mtllib lib/a.mtl\nusemtl m\n" + test::textured_cube_obj());
+    ASSERT_TRUE(prep::save_image(dir_ / "TEX.PNG", picture(0)));
+    EXPECT_EQ(run(), "ok");
+    EXPECT_EQ(run(), "skipped");
+    for (const char* const earlier : {"tex.png", "sub/tex.png"}) {
+        ASSERT_TRUE(prep::save_image(dir_ / earlier, picture(0.5f)));
+        EXPECT_EQ(run(), "ok") << earlier;
+        EXPECT_EQ(run(), "skipped") << earlier;
+    }
+    // The picture is where it is named: it is sought nowhere else.
+    fs::create_directories(dir_ / "textures/sub");
+    ASSERT_TRUE(prep::save_image(dir_ / "textures/sub/tex.png", picture(1)));
+    ASSERT_TRUE(prep::save_image(dir_ / "textures/tex.png", picture(1)));
+    EXPECT_EQ(run(), "skipped");
+    fs::create_directories(dir_ / "lib");
+    write_text(dir_ / "lib/a.mtl", "newmtl m\nKd 1 0 0\n");
+    EXPECT_EQ(run(), "ok");
+    EXPECT_EQ(run(), "skipped");
+}
+
+// What a scene file's meshes lack is lacking in the scene.
+TEST_F(Resumed, ALibraryThatAMeshOfASceneLacksIsLookedForAgain) {
+    write_text(dir_ / "part.obj", "mtllib part.mtl\nusemtl m\n" + test::textured_cube_obj());
+    write_text(dir_ / "s.json", R"({"meshprep": 1, "meshes": {"x": {"file": "part.obj"}}})");
+    const auto state = [&] {
+        const test::Ran ran = run_here({"prepare", at("s.json"), "-o", at("out/"), "--manifest",
+                                        at("made.json"), "--json", "--skip-unchanged"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["files"][0]["status"].get<std::string>();
+    };
+    EXPECT_EQ(state(), "ok");
+    EXPECT_EQ(state(), "ok");
+    write_text(dir_ / "part.mtl", "newmtl m\nKd 1 0 0\n");
+    EXPECT_EQ(state(), "ok");
+    EXPECT_EQ(state(), "skipped");
+}
+
 TEST_F(Resumed, ChangesAreSeenBySizeAndTime) {
     const fs::path file = dir_ / "a.obj", other = dir_ / "b.obj";
     write_text(other, "b");

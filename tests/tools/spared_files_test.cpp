@@ -189,6 +189,74 @@ TEST(SparedFiles, AManifestIsNotWrittenOverWhatInputsAreReadFrom) {
     EXPECT_NE(file_text(dir / "made.json").find("\"manifest\": 1"), std::string::npos);
 }
 
+// Pictures of glTF files are read into memory with them, and are files all the same.
+class PicturesOfGltf : public ::testing::Test {
+  protected:
+    PicturesOfGltf() {
+        write_model(dir_.path(), "m", "x.png");
+        picture_ = write_picture(dir_ / "x.png");
+        write_text(dir_ / "a.gltf", gltf("x.png"));
+    }
+    static std::string gltf(const std::string& picture) {
+        return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0,
+            "TEXCOORD_0": 1}, "material": 0}]}], "materials": [{"pbrMetallicRoughness":
+            {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}], "images": [{"uri": ")" +
+               picture + R"("}], "buffers": [{"byteLength": 60, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36,
+            "byteLength": 24}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3,
+            "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}, {"bufferView": 1,
+            "componentType": 5126, "count": 3, "type": "VEC2"}]})";
+    }
+    std::string at(const std::string& name) const { return (dir_ / name).string(); }
+    TempDir dir_;
+    std::string picture_;
+};
+
+TEST_F(PicturesOfGltf, AreNotWrittenOver) {
+    const std::vector<std::vector<std::string>> runs = {
+        {"render", at("a.gltf"), "-o", at("x.png"), "--size", "16x16"},
+        {"prepare", at("a.gltf"), "-o", at("b.glb"), "--manifest", at("x.png")},
+        {"cost", at("a.gltf"), "--ladder", "normals", "-o", at("x.png")}};
+    for (const auto& run : runs) {
+        EXPECT_NE(run_here(run).exit_code, 0) << run[0];
+        EXPECT_EQ(file_text(dir_ / "x.png"), picture_) << run[0];
+    }
+}
+
+// A picture beside the output gets another name, or is an error; the one that is read stays.
+TEST_F(PicturesOfGltf, AreNoneBesideAnOutput) {
+    const std::string other = write_picture(dir_ / "b_image0.png", 0.125f);
+    write_text(dir_ / "c.gltf", gltf("b_image0.png"));
+    for (const char* const reader : {"b_image0.png", "x.png"}) {
+        write_text(dir_ / "a.gltf", gltf(reader));
+        run_here(
+            {"prepare", at("a.gltf"), at("c.gltf"), "-o", dir_.path().string(), "--format", "obj"});
+        run_here(
+            {"prepare", at("c.gltf"), at("a.gltf"), "-o", dir_.path().string(), "--format", "obj"});
+        run_here({"prepare", at("c.gltf"), "-o", at("b.obj")});
+        EXPECT_EQ(file_text(dir_ / "b_image0.png"), other);
+        EXPECT_EQ(file_text(dir_ / "x.png"), picture_);
+    }
+}
+
+TEST_F(PicturesOfGltf, AreSourcesOfTheResult) {
+    const auto state = [&] {
+        const test::Ran ran = run_here({"prepare", at("a.gltf"), "-o", at("out/"), "--manifest",
+                                        at("made.json"), "--json", "--skip-unchanged"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["files"][0]["status"].get<std::string>();
+    };
+    EXPECT_EQ(state(), "ok");
+    EXPECT_EQ(state(), "skipped");
+    const std::string before = file_text(dir_ / "out/a.glb");
+    write_picture(dir_ / "x.png", 0.75f);
+    EXPECT_EQ(state(), "ok");
+    EXPECT_NE(file_text(dir_ / "out/a.glb"), before);
+    EXPECT_EQ(state(), "skipped");
+}
+
 TEST(SparedFiles, AManifestIsNotWrittenOverAFileBesideAnOutput) {
     const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());

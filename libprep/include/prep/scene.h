@@ -40,9 +40,10 @@ struct PackedChannel {
 
 // An image as the file refers to it; decoded only when a texture of the plan asks for it.
 struct ImageRef {
-    std::string name;              // for messages
-    std::filesystem::path path;    // set when it is a file of its own
-    std::vector<std::byte> bytes;  // set when it is embedded (encoded: PNG, JPEG, …)
+    std::string name;                      // for messages
+    std::filesystem::path path;            // set when it is a file of its own
+    std::vector<std::byte> bytes;          // set when it is embedded (encoded: PNG, JPEG, …)
+    std::filesystem::path read_from = {};  // the file that `bytes` came from, if it has one
     std::string mime_type;
     std::vector<PackedChannel> channels = {};  // put together from these: no path and no bytes
     // How it is decoded (image.h); null: in the caller's process. load_scene() sets it where it has
@@ -150,6 +151,9 @@ struct Scene {
     std::filesystem::path source;                  // the file it came from
     std::vector<std::filesystem::path> libraries;  // other files read with it, but for images
     bool library_missing = false;                  // such a file was not there to be read
+    // Where libraries and pictures were looked for before they were found elsewhere: a file that
+    // appears there would be read in their place.
+    std::vector<std::filesystem::path> passed_over;
     std::vector<Mesh> meshes;
     std::vector<Node> nodes;
     std::vector<Material> materials;

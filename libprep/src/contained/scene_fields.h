@@ -118,7 +118,8 @@ void fields(List& list, T& t) {
 
 template <class List, Is<ImageRef> T>
 void fields(List& list, T& t) {
-    all_members<T>(list, t.name, t.path, t.bytes, t.mime_type, t.channels, LeftOut{} /* options */);
+    all_members<T>(list, t.name, t.path, t.bytes, t.read_from, t.mime_type, t.channels,
+                   LeftOut{} /* options */);
 }
 
 template <class List, Is<Light> T>
@@ -159,10 +160,10 @@ void fields(List& list, T& t) {
 // What our own readers keep of their files never leaves the process: none of them is contained.
 template <class List, Is<Scene> T>
 void fields(List& list, T& t) {
-    all_members<T>(list, t.name, t.source, t.libraries, t.library_missing, t.meshes, t.nodes,
-                   t.materials, t.textures, t.images, t.lights, t.cameras, t.skins, t.animations,
-                   t.active_camera, t.placement, LeftOut{} /* retained_file */, t.source_bytes,
-                   t.warnings, t.remarks);
+    all_members<T>(list, t.name, t.source, t.libraries, t.library_missing, t.passed_over, t.meshes,
+                   t.nodes, t.materials, t.textures, t.images, t.lights, t.cameras, t.skins,
+                   t.animations, t.active_camera, t.placement, LeftOut{} /* retained_file */,
+                   t.source_bytes, t.warnings, t.remarks);
 }
 
 }  // namespace prep::detail

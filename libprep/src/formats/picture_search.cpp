@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "prep/scene.h"
 #include "text/lower_case.h"
 #include "text/percent_encoding.h"
 
@@ -11,15 +12,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file(const fs::path& path) {
-    std::error_code ec;
-    return fs::is_regular_file(path, ec);
-}
-
 // Without "..", where that names the same file: behind a link to a directory it does not.
 fs::path plain(const fs::path& path) {
+    std::error_code ec;
     fs::path shorter = path.lexically_normal();
-    return is_file(shorter) ? shorter : path;
+    return fs::is_regular_file(shorter, ec) ? shorter : path;
+}
+
+fs::path joined(fs::path base, const std::vector<std::string>& parts) {
+    for (const std::string& part : parts) base /= part;
+    return base;
 }
 
 // With '/' between its parts, without the blanks and quotes around it, "file://" and the drive.
@@ -76,14 +78,23 @@ const std::vector<std::string>& PictureSearch::entries(const fs::path& directory
     return found == listing.end() ? none : found->second;
 }
 
+bool PictureSearch::is_file(const fs::path& path) {
+    std::error_code ec;
+    if (fs::is_regular_file(path, ec)) return true;
+    tried_.push_back(path);
+    return false;
+}
+
 std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
                                                    const std::vector<std::string>& parts) {
     if (parts.empty()) return std::nullopt;
+    if (const fs::path exact = joined(base, parts); is_file(exact)) return plain(exact);
     fs::path path = base;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const auto fits = [&](const fs::path& candidate) {
             std::error_code ec;
-            return p + 1 == parts.size() ? is_file(candidate) : fs::is_directory(candidate, ec);
+            return p + 1 == parts.size() ? fs::is_regular_file(candidate, ec)
+                                         : fs::is_directory(candidate, ec);
         };
         fs::path next = path / parts[p];
         if (!fits(next)) {
@@ -107,48 +118,54 @@ std::vector<fs::path> PictureSearch::sought_directories() const {
     return list;
 }
 
+std::optional<fs::path> PictureSearch::search(const std::string& name) {
+    // operator/ takes an absolute path for itself.
+    if (is_file(directory_ / name)) return plain(directory_ / name);
+    std::vector<std::string> spellings{portable(name)};
+    if (std::string decoded = percent_decoded(spellings[0]); decoded != spellings[0])
+        spellings.push_back(std::move(decoded));
+    for (const std::string& spelling : spellings)
+        if (!spelling.empty() && is_file(directory_ / spelling))
+            return plain(directory_ / spelling);
+    for (const std::string& spelling : spellings) {
+        // "../maps/A.png" where "../Maps/a.png" is: the way up is written, not guessed.
+        std::vector<std::string> parts = inner_parts(spelling);
+        std::string_view rest = spelling;
+        fs::path base = directory_;
+        while (rest.starts_with("../") || rest.starts_with("./")) {
+            if (rest.starts_with("../")) base /= "..";
+            rest.remove_prefix(rest.find('/') + 1);
+        }
+        if (base != directory_)
+            if (auto path = in_any_case(base, inner_parts(std::string(rest)))) return path;
+        for (; !parts.empty(); parts.erase(parts.begin()))
+            for (const fs::path& place : sought_directories()) {
+                std::error_code ec;
+                fs::path there = place;
+                // The folders themselves may be in capitals: "Textures".
+                if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
+                    tried_.push_back(joined(place, parts));
+                    const auto& all = entries(place.parent_path(), place.filename().string());
+                    if (all.empty()) continue;
+                    there = place.parent_path() / all.front();
+                }
+                if (auto path = in_any_case(there, parts)) return path;
+            }
+    }
+    return std::nullopt;
+}
+
 std::optional<fs::path> PictureSearch::locate(const std::string& name) {
     constexpr std::size_t longest = 4096;  // no system has longer paths
     if (name.empty() || name.size() > longest || name.find('\0') != std::string::npos)
         return std::nullopt;
     const auto known = known_.find(name);
     if (known != known_.end()) return known->second;
-    const auto search = [&]() -> std::optional<fs::path> {
-        // operator/ takes an absolute path for itself.
-        if (is_file(directory_ / name)) return plain(directory_ / name);
-        std::vector<std::string> spellings{portable(name)};
-        if (std::string decoded = percent_decoded(spellings[0]); decoded != spellings[0])
-            spellings.push_back(std::move(decoded));
-        for (const std::string& spelling : spellings)
-            if (!spelling.empty() && is_file(directory_ / spelling))
-                return plain(directory_ / spelling);
-        for (const std::string& spelling : spellings) {
-            // "../maps/A.png" where "../Maps/a.png" is: the way up is written, not guessed.
-            std::vector<std::string> parts = inner_parts(spelling);
-            std::string_view rest = spelling;
-            fs::path base = directory_;
-            while (rest.starts_with("../") || rest.starts_with("./")) {
-                if (rest.starts_with("../")) base /= "..";
-                rest.remove_prefix(rest.find('/') + 1);
-            }
-            if (base != directory_)
-                if (auto path = in_any_case(base, inner_parts(std::string(rest)))) return path;
-            for (; !parts.empty(); parts.erase(parts.begin()))
-                for (const fs::path& place : sought_directories()) {
-                    std::error_code ec;
-                    fs::path there = place;
-                    // The folders themselves may be in capitals: "Textures".
-                    if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
-                        const auto& all = entries(place.parent_path(), place.filename().string());
-                        if (all.empty()) continue;
-                        there = place.parent_path() / all.front();
-                    }
-                    if (auto path = in_any_case(there, parts)) return path;
-                }
-        }
-        return std::nullopt;
-    };
-    return known_.emplace(name, search()).first->second;
+    tried_.clear();
+    std::optional<fs::path> found = search(name);
+    if (found)
+        for (const fs::path& path : tried_) passed_over_.insert(path.lexically_normal());
+    return known_.emplace(name, std::move(found)).first->second;
 }
 
 fs::path PictureSearch::find(const std::string& name) {
@@ -181,6 +198,11 @@ std::vector<std::string> PictureSearch::warnings() const {
         names + "; sought in '" + own + "', its folders " + folders + " and those beside it";
     for (const fs::path& directory : extra_) text += ", '" + directory.string() + "'";
     return {text + (extra_.empty() ? "; --texture-dir names more places" : "")};
+}
+
+void PictureSearch::tell(Scene& scene) const {
+    for (std::string& warning : warnings()) scene.warnings.push_back(std::move(warning));
+    scene.passed_over.insert(scene.passed_over.end(), passed_over_.begin(), passed_over_.end());
 }
 
 }  // namespace prep::detail

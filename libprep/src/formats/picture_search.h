@@ -21,6 +21,10 @@
 #include <string_view>
 #include <vector>
 
+namespace prep {
+struct Scene;
+}
+
 namespace prep::detail {
 
 inline constexpr std::array<std::string_view, 8> picture_folders = {
@@ -41,7 +45,16 @@ class PictureSearch {
     // One sentence with all that find() missed and where it was sought; none where nothing was.
     std::vector<std::string> warnings() const;
 
+    // Where files that were found elsewhere were looked for before: what appears there takes their
+    // place. Of other capitals only the name's own.
+    const std::set<std::filesystem::path>& passed_over() const { return passed_over_; }
+
+    // Gives the scene both.
+    void tell(Scene& scene) const;
+
   private:
+    std::optional<std::filesystem::path> search(const std::string& name);
+    bool is_file(const std::filesystem::path& path);
     std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& base,
                                                      const std::vector<std::string>& parts);
     // What a directory has of this name, in any capitals: in the order of bytes.
@@ -56,6 +69,8 @@ class PictureSearch {
     using Listing = std::map<std::string, std::vector<std::string>>;  // by name in small letters
     std::map<std::string, Listing> listings_;                         // by directory
     std::map<std::string, std::optional<std::filesystem::path>> known_;
+    std::vector<std::filesystem::path> tried_;  // in the search at hand, and no files
+    std::set<std::filesystem::path> passed_over_;
 };
 
 }  // namespace prep::detail

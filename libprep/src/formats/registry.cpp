@@ -52,6 +52,9 @@ Result<Scene> load_wavefront(const std::filesystem::path& path, const LoadOption
 Result<Scene> load_json(const std::filesystem::path& path, const LoadOptions& options) {
     auto loaded = load_scene_json(path, options);
     if (!loaded) return loaded.error();
+    if (loaded->orbit)
+        loaded->scene.remarks.push_back(
+            "the file's camera circles what a picture shows: the scene gets no camera of it");
     return std::move(loaded->scene);
 }
 

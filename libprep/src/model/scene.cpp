@@ -31,7 +31,9 @@ glm::vec3 usual_specular(float shininess) {
 
 std::vector<std::filesystem::path> files_of(const ImageRef& image) {
     std::vector<std::filesystem::path> files;
-    if (image.bytes.empty() && !image.path.empty()) files.push_back(image.path);
+    if (const std::filesystem::path& file = image.bytes.empty() ? image.path : image.read_from;
+        !file.empty())
+        files.push_back(file);
     for (const PackedChannel& channel : image.channels)
         if (channel.source)
             for (std::filesystem::path& file : files_of(*channel.source))

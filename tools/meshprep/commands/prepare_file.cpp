@@ -65,29 +65,6 @@ std::optional<prep::Error> at_odds_with_libraries(const prep::PreparedScene& pre
                        file.string()};
 }
 
-// Where a picture would have been found before it was found at `file`: it was absent there, and
-// what appears there takes its place. The order is that of formats/picture_search.h; `folder` is
-// the model's, and as the name in the model is not known, the part below the directory stands for
-// it.
-void note_passed_over(const std::filesystem::path& file, const std::filesystem::path& folder,
-                      const std::vector<std::filesystem::path>& texture_directories, Outcome& out) {
-    namespace fs = std::filesystem;
-    std::vector<fs::path> sought{folder / "."};
-    for (const char* const above : {".", ".."})
-        for (const std::string_view name : prep::detail::picture_folders)
-            sought.push_back(folder / above / name);
-    sought.insert(sought.end(), texture_directories.begin(), texture_directories.end());
-    for (fs::path& directory : sought) directory = directory.lexically_normal();
-    std::error_code ec;
-    for (std::size_t at = 1; at < sought.size(); ++at) {
-        const fs::path name = file.lexically_normal().lexically_relative(sought[at]);
-        if (name.empty() || *name.begin() == ".." || name == ".") continue;
-        for (std::size_t before = 0; before < at; ++before)
-            if (const fs::path passed = sought[before] / name; !fs::exists(passed, ec))
-                out.absent.insert(passed.string());
-    }
-}
-
 // Files that were read for the scene, with their hashes; one that was named and not found makes the
 // result one that may change, and so does a pipe, which nobody can look at again, and a file that
 // was changed since reading began, unless it is one of those written.
@@ -102,22 +79,15 @@ void note_sources(const InputFile& input, const prep::Scene& scene, const Prepar
                         (watch.unchanged(file) || written.count(identity_of(file)) != 0);
     };
     std::vector<std::filesystem::path> files;
-    std::set<std::filesystem::path> folders{
-        std::filesystem::path(input.relabelled(input.path().string())).parent_path()};
-    for (const std::filesystem::path& library : scene.libraries)
-        folders.insert(std::filesystem::path(input.relabelled(library.string())).parent_path());
     for (const std::filesystem::path& library : scene.libraries)
         if (!input.passing(library)) files.push_back(library);
     for (const prep::ImageRef& image : scene.images) {
         for (const std::filesystem::path& file : prep::files_of(image))
-            if (!input.passing(file)) {
-                files.push_back(file);
-                for (const std::filesystem::path& folder : folders)
-                    note_passed_over(input.relabelled(file.string()), folder,
-                                     command.common.load.texture_directories, out);
-            }
+            if (!input.passing(file)) files.push_back(file);
         out.complete &= !image.path.empty() || !image.bytes.empty() || !image.channels.empty();
     }
+    for (const std::filesystem::path& file : scene.passed_over)
+        out.absent.insert(input.relabelled(file.string()));
     out.complete &= !scene.library_missing;
     if (displacement.map) files.push_back(displacement.map->path);
     if (const auto source = input.source())

@@ -347,6 +347,20 @@ Result<void> InputFile::unpack_gzip_file(const fs::path& data, const std::string
     return {};
 }
 
+namespace {
+
+// By the key that all have; it stands at the beginning of what people write.
+bool is_scene_file(const fs::path& file) {
+    if (lower_ending(file) != "json") return false;
+    std::string begin(std::size_t(64) << 10, '\0');
+    std::ifstream in(file, std::ios::binary);
+    in.read(begin.data(), std::streamsize(begin.size()));
+    begin.resize(std::size_t(in.gcount()));
+    return begin.find("\"meshprep\"") != std::string::npos;
+}
+
+}  // namespace
+
 Result<void> InputFile::choose_mesh(const std::vector<std::string>& names) {
     std::vector<std::string> meshes;
     for (const std::string& name : names)
@@ -374,6 +388,10 @@ Result<void> InputFile::choose_mesh(const std::vector<std::string>& names) {
                      place()};
     }
     path_ = place_ / "unpacked" / meshes[0];
+    for (const std::string& name : names)
+        if (is_scene_file(place_ / "unpacked" / name))
+            warnings_.push_back("'" + name + "' in the archive was not looked at: a scene file " +
+                                "is read where it is unpacked");
     return {};
 }
 
@@ -453,6 +471,7 @@ void InputFile::settle(prep::Scene& scene) const {
             }
             channel.source = known;
         }
+        image.read_from = passing(image.read_from) ? fs::path() : settled(image.read_from);
         if (image.path.empty()) return;
         if (image.bytes.empty() && passing(image.path)) {
             // Where it cannot be read it is missing as it would be elsewhere.

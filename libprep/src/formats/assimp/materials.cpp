@@ -129,8 +129,7 @@ class MaterialReader {
 
     void run() {
         for (unsigned m = 0; m < from_.mNumMaterials; ++m) material(*from_.mMaterials[m]);
-        for (std::string& warning : pictures_.warnings())
-            scene_.warnings.push_back(std::move(warning));
+        pictures_.tell(scene_);
         import_.warn_not_kept(not_kept_, "material property", "material properties");
         import_.warn(unplaced_, "map", "maps",
                      "with a rotated or non-finite UV transform: without it");

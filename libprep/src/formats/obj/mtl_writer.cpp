@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/turned_green.h"
 #include "image/packed_channels.h"
 #include "image/picture_kind.h"
 #include "prep/image.h"
@@ -28,6 +29,9 @@ bool is_absolute_name(const std::string& name) {
     return drive || name.starts_with('/');
 }
 
+// Of no exponent at all it differs by less than a picture holds.
+constexpr float least_exponent = 1e-4f;
+
 // Whether MTL says anything of such a map.
 bool has_statement(MapKind kind) {
     return kind != MapKind::occlusion && kind != MapKind::layer_normal &&
@@ -50,7 +54,7 @@ MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileS
             if (const TextureRef& ref = material.*map.ref;
                 ref && set == no_index && has_statement(map.kind))
                 set = ref.uv_set;
-        uv_sets_.push_back(set == no_index ? 0 : set);
+        uv_sets_.push_back(set);
     }
 }
 
@@ -135,7 +139,7 @@ Result<std::string> MtlWriter::text() {
     std::string mtl = "# meshprep\n";
     for (Index m = 0; m < scene_.materials.size(); ++m)
         material(scene_.materials[m], names_[m], uv_sets_[m], mtl);
-    if (names_no_material()) material({}, no_material_, 0, mtl);
+    if (names_no_material()) material({}, no_material_, no_index, mtl);
     if (failure_) return std::move(*failure_);
     return mtl;
 }
@@ -167,19 +171,54 @@ void MtlWriter::material(const Material& in, const std::string& name, Index set,
     color("Ke", in.emissive);
     // Opaque materials ignore their alpha, and what a mask leaves is opaque.
     const float opacity = in.alpha_mode == AlphaMode::blend ? in.diffuse.a : 1.0f;
+    // Beside a Ks that is not black, programs write Ns 0 where they mean none, and it is read so.
+    if (shininess == 0 && specular != glm::vec3(0.0f)) shininess = least_exponent;
     mtl += fmt::format("Ns {}\nd {}\nillum {}\n", shininess, opacity, in.unlit ? 0 : 2);
     if (physical) physical_statements(in, mtl);
     if (in.alpha_mode == AlphaMode::mask)
         note("MTL has no alpha masks: what they cut out is drawn");
     if (in.double_sided) note("MTL has no double-sided materials: left out");
-    map(mtl, "map_Kd", in.diffuse_map);
+    map_on(glm::vec3(in.diffuse), mtl, "map_Kd", in.diffuse_map);
     map(mtl, "map_Ks", in.specular_map);
-    map(mtl, "map_Ke", in.emissive_map);
-    map(mtl, "norm", in.normal_map);
+    map_on(in.emissive, mtl, "map_Ke", in.emissive_map);
+    normal_map(in, mtl);
     map(mtl, "bump", in.bump_map);
     displacement(in, mtl);
     if (in.alpha_mode == AlphaMode::blend) opacity_map(in.diffuse_map, mtl);
     if (in.occlusion_map) note("MTL has no occlusion maps: left out");
+}
+
+// A black colour with a map is read as a white one: programs that know no factors write that.
+void MtlWriter::map_on(const glm::vec3& color, std::string& mtl, const char* word,
+                       const TextureRef& ref) {
+    if (!ref || color != glm::vec3(0.0f)) return map(mtl, word, ref);
+    note(
+        "MTL takes a black colour with a map for a white one: maps that show nothing, on black, "
+        "are left out");
+}
+
+void MtlWriter::normal_map(const Material& in, std::string& mtl) {
+    if (!in.normal_map) return;
+    if (in.normal_map_space != NormalMapSpace::tangent)
+        return note("MTL has no object-space normal maps: left out");
+    if (!in.normal_map_flip_green) return map(mtl, "norm", in.normal_map);
+    const ImageRef* const image = image_of(in.normal_map);
+    if (!image) return;
+    const Index index = scene_.textures[in.normal_map.texture].image;
+    const std::string file = fmt::format("{}_image{}_green.png", stem_, index);
+    if (made_files_.insert(file).second) {
+        auto decoded = load_image(*image);
+        const auto png = decoded ? turned_green_png(*std::move(decoded)) : decoded.error();
+        if (!png) {
+            made_files_.erase(file);
+            return note("the normal map '" + image->name + "' cannot be read: left out (" +
+                        png.error().text + ")");
+        }
+        if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
+            failure_ = std::move(done).error();
+        note("texture '" + image->name + "' was written anew, its green turned over");
+    }
+    map_line(mtl, "norm", in.normal_map, file);
 }
 
 // base + gain · texel is (texel − midlevel) · scale.
@@ -239,7 +278,7 @@ void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& r
     }
     const Index index = scene_.textures[ref.texture].image;
     const std::string file = fmt::format("{}_image{}_{}.png", stem_, index, what);
-    if (!grey_files_.contains(file)) {
+    if (!made_files_.contains(file)) {
         const auto decoded = load_image(*image);
         const auto png = decoded ? encode_png(single_channel(*decoded, channel)) : decoded.error();
         if (!png) {
@@ -249,7 +288,7 @@ void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& r
         }
         if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
             failure_ = std::move(done).error();
-        grey_files_.insert(file);
+        made_files_.insert(file);
     }
     map_line(mtl, word, ref, file);
 }

@@ -30,9 +30,9 @@ class MtlWriter {
         return material < names_.size() ? names_[material] : no_material_;
     }
     // That of the material's faces: the one that its colour's map reads, or the first map that it
-    // has. An OBJ file has one for each corner.
+    // has; no_index: it has none. An OBJ file has one for each corner.
     std::uint32_t uv_set(std::uint32_t material) const {
-        return material < uv_sets_.size() ? uv_sets_[material] : 0;
+        return material < uv_sets_.size() ? uv_sets_[material] : no_index;
     }
 
     // Of the library, beside the OBJ file.
@@ -56,6 +56,8 @@ class MtlWriter {
     const ImageRef* image_of(const TextureRef& ref);
     std::string file_name(const ImageRef& image) const;
     void map(std::string& mtl, const std::string& word, const TextureRef& ref);
+    void map_on(const glm::vec3& color, std::string& mtl, const char* word, const TextureRef& ref);
+    void normal_map(const Material& in, std::string& mtl);
     void map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
                   const std::string& file);
     std::string image_file(std::uint32_t image);
@@ -77,7 +79,7 @@ class MtlWriter {
     std::uint32_t uv_set_ = 0;                // of the material being written
     std::optional<Error> failure_;
     std::unordered_map<std::uint32_t, std::string> written_;  // pictures, by image
-    std::unordered_set<std::string> grey_files_;
+    std::unordered_set<std::string> made_files_;
 };
 
 }  // namespace prep::detail

@@ -363,29 +363,16 @@ class Assembler {
         if (library(whole)) return;
         const std::string names = before_comment(whole);
         if (names != whole && library(names)) return;
-        LineWords words(names);
+        LineScanner words(names);
         bool several = false;
-        for (std::string word; words.next(word);) {
+        while (!words.at_end()) {
+            const std::string word(words.word());
             if (word == names) break;
             several = true;
             if (!library(word)) missing(word);
         }
         if (!several) missing(names);
     }
-
-    struct LineWords {
-        explicit LineWords(std::string_view names) : text(names) {}
-        bool next(std::string& word) {
-            const std::size_t begin = text.find_first_not_of(" \t");
-            if (begin == std::string_view::npos) return false;
-            text.remove_prefix(begin);
-            const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
-            word = std::string(text.substr(0, end));
-            text.remove_prefix(end);
-            return true;
-        }
-        std::string_view text;
-    };
 
     void missing(const std::string& name) {
         missing_library_ = scene_.library_missing = true;
@@ -418,7 +405,6 @@ class Assembler {
         PictureSearch pictures(path->parent_path(), options_.texture_directories);
         MtlLibrary lib = parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
                                    name, pictures);
-        for (std::string& w : pictures.warnings()) lib.warnings.push_back(std::move(w));
         const Index textures = Index(scene_.textures.size()), images = Index(scene_.images.size());
         for (Texture& t : lib.textures) {
             t.image += images;
@@ -431,6 +417,7 @@ class Assembler {
             scene_.materials.push_back(std::move(m));
         }
         for (std::string& w : lib.warnings) scene_.warnings.push_back(std::move(w));
+        pictures.tell(scene_);
         return true;
     }
 
@@ -501,6 +488,7 @@ class Assembler {
     }
 
     void warnings() {
+        files_.tell(scene_);
         if (named_warnings_ > most_named)
             scene_.warnings.push_back("and " + std::to_string(named_warnings_ - most_named) +
                                       " more materials or libraries like these");

@@ -186,10 +186,17 @@ class ObjWriter {
         material_ = material;
     }
 
-    // Of the faces with the material.
-    Index uv_set(const Mesh& mesh, Index material) const {
+    // Of the faces with the material; no_index where they lack the set that its maps read: with
+    // another the maps would be seen.
+    Index uv_set(const Mesh& mesh, Index material) {
         const Index set = materials_.uv_set(material);
         if (set < mesh.uvs.size() && !mesh.uvs[set].empty()) return set;
+        if (set != no_index) {
+            note(
+                "faces without the UV set that their material's maps read are written without "
+                "UVs");
+            return no_index;
+        }
         const auto there = std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
                                         [](const auto& layer) { return !layer.empty(); });
         return there == mesh.uvs.end() ? 0 : Index(there - mesh.uvs.begin());
@@ -199,8 +206,11 @@ class ObjWriter {
     std::vector<std::uint64_t> number_uvs(const Mesh& mesh) {
         std::vector<std::uint64_t> bases(mesh.uvs.size(), unused);
         if (bases.empty()) return bases;
-        if (mesh.face_materials.empty()) bases[uv_set(mesh, no_index)] = 0;
-        for (const Index m : mesh.face_materials) bases[uv_set(mesh, m)] = 0;
+        const auto use = [&](Index set) {
+            if (set != no_index) bases[set] = 0;
+        };
+        if (mesh.face_materials.empty()) use(uv_set(mesh, no_index));
+        for (const Index m : mesh.face_materials) use(uv_set(mesh, m));
         for (std::size_t set = 0; set < bases.size(); ++set) {
             if (mesh.uvs[set].empty()) bases[set] = unused;
             if (bases[set] == unused) continue;

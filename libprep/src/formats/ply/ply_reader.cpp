@@ -313,9 +313,7 @@ class PlyParser {
             scene_.textures.push_back(sampler);
             scene_.materials.push_back(std::move(material));
         }
-        if (pictures_)
-            for (std::string& warning : pictures_->warnings())
-                scene_.warnings.push_back(std::move(warning));
+        if (pictures_) pictures_->tell(scene_);
         without_picture(mesh);
     }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "text/name_list.h"
+
 namespace prep::detail {
 namespace {
 
@@ -32,9 +34,17 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadF
     leave(std::any_of(part.meshes.begin(), part.meshes.end(),
                       [](const Mesh& mesh) { return !mesh.vertex_attributes.empty(); }),
           "attributes of other names");
+    leave(std::any_of(part.meshes.begin(), part.meshes.end(),
+                      [](const Mesh& mesh) { return !mesh.variant_materials.empty(); }),
+          "variants of materials");
     if (!left.empty())
         into.warnings.push_back("mesh '" + name + "': the file's own " + left +
                                 " are not part of the scene");
+    NameList beyond;
+    for (const std::string& extension : extensions_beyond_materials(part)) beyond.add(extension);
+    if (!beyond.empty())
+        into.warnings.push_back("mesh '" + name + "': these extensions of the file's materials " +
+                                "are not part of the scene: " + beyond.text());
 
     for (Texture& texture : part.textures) shift(texture.image, into.images.size());
     for (Material& material : part.materials)
@@ -66,6 +76,7 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadF
     if (!part.source.empty()) read(std::move(part.source));
     for (std::filesystem::path& library : part.libraries) read(std::move(library));
     into.library_missing |= part.library_missing;
+    append(into.passed_over, std::move(part.passed_over));
     append(into.images, std::move(part.images));
     append(into.textures, std::move(part.textures));
     append(into.materials, std::move(part.materials));

@@ -57,6 +57,7 @@ class Builder {
         const RenderChoices& choices = spec.picture.choices;
         if (choices.coverage == Coverage::area && choices.samples > 1)
             return error("/picture/coverage", "exact areas take the place of several samples");
+        pictures_.tell(out_.scene);
         return std::move(out_);
     }
 

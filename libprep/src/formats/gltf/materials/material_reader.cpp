@@ -8,6 +8,7 @@
 #include "formats/gltf/gltf.h"
 #include "formats/picture_search.h"
 #include "prep/files.h"
+#include "text/percent_encoding.h"
 
 namespace prep::detail {
 namespace {
@@ -53,11 +54,13 @@ class MaterialReader {
                 const std::string uri = in["uri"].get<std::string>();
                 auto bytes = resolve_uri(d_, uri, pointer + "/uri");
                 std::string file = file_of_uri(d_, uri);
+                if (bytes && !file.empty()) out.read_from = d_.directory / percent_decoded(uri);
                 // Elsewhere than it says, or by a path of another machine.
                 bool listed = false;
                 if (!bytes && !d_.directory.empty() && bytes.error().code != ErrorCode::syntax) {
                     if (const auto path = pictures.locate(uri)) {
                         bytes = read_file(*path);
+                        if (bytes) out.read_from = *path;
                         std::error_code ignored;
                         file = std::filesystem::weakly_canonical(*path, ignored).string();
                     } else if (bytes.error().code == ErrorCode::io) {
@@ -83,8 +86,7 @@ class MaterialReader {
             left -= out.bytes.size();
             scene_.images.push_back(std::move(out));
         }
-        for (std::string& warning : pictures.warnings())
-            scene_.warnings.push_back(std::move(warning));
+        pictures.tell(scene_);
         return {};
     }
 

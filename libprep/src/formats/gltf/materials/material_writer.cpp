@@ -7,6 +7,7 @@
 #include "base/read_open_file.h"
 #include "formats/gltf/materials/material_extensions.h"
 #include "formats/gltf/values/uv_set_bits.h"
+#include "formats/turned_green.h"
 #include "prep/image.h"
 #include "text/note_once.h"
 #include "text/utf8.h"
@@ -43,20 +44,9 @@ std::uint64_t uv_sets_read(const Material& m) {
     return sets;
 }
 
-bool is_eight_bit(const Image& image) {
-    return std::all_of(image.pixels.begin(), image.pixels.end(), [](float value) {
-        return std::abs(value * 255 - std::round(value * 255)) < 1e-3f;  // of a 16-bit step's 1/257
-    });
-}
-
 bool is_beyond_unit(const Image& image) {
     return std::any_of(image.pixels.begin(), image.pixels.end(),
                        [](float value) { return !(value >= 0 && value <= 1); });
-}
-
-void turn_green(Image& image) {
-    for (std::size_t i = 1; image.channels >= 3 && i < image.pixels.size(); i += image.channels)
-        image.pixels[i] = 1 - image.pixels[i];
 }
 
 std::string mime_of(const std::vector<std::byte>& bytes) {
@@ -216,6 +206,8 @@ std::uint32_t MaterialWriter::texture_index(std::uint32_t texture, Pixels pixels
     Index result = no_index;
     const Index image = image_index(t.image, pixels);
     if (image != no_index) {
+        if (t.wrap_u == Wrap::border || t.wrap_v == Wrap::border)
+            note("glTF has no borders around textures: they are clamped to their edges instead");
         const std::size_t s = buffer_.push("samplers", sampler_of(t));
         result = Index(buffer_.push("textures", Json{{"sampler", s}, {"source", image}}));
     }
@@ -264,16 +256,15 @@ std::vector<std::byte> MaterialWriter::converted(const ImageRef& ref, Pixels pix
         return {};
     }
     const bool turned = pixels == Pixels::green_turned, heights = pixels == Pixels::heights;
-    if (turned) turn_green(*decoded);
     if (heights && is_beyond_unit(*decoded))
         note("texture '" + ref.name + "' has heights beyond 0 to 1, where PNG ends: cut off");
     if (heights && decoded->floating)
         note("texture '" + ref.name + "': heights were rounded to 16 bits");
     // A normal map of more bits keeps them, and heights keep what PNG can hold. Floats get 16 bits
     // whatever they are: the nearest code of 8 to a mid-level is far.
-    const bool exact = turned || heights;
-    const bool wide = exact && (decoded->floating || !is_eight_bit(*decoded));
-    auto png = encode_png(*decoded, wide ? PixelType::u16 : PixelType::u8);
+    const bool wide = heights && (decoded->floating || !is_eight_bit(*decoded));
+    const auto png = turned ? turned_green_png(*std::move(decoded))
+                            : encode_png(*decoded, wide ? PixelType::u16 : PixelType::u8);
     if (!png) return {};
     note("texture '" + ref.name + "' was " +
          (ref.channels.empty() ? "converted to PNG" : "put together as PNG") +
