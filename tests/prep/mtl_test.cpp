@@ -397,6 +397,27 @@ TEST_F(WrittenMtl, AnExponentOfZeroStays) {
     EXPECT_TRUE(again.warnings.empty()) << again.warnings.at(0);
 }
 
+TEST_F(WrittenMtl, PicturesOfNamesThatAStatementCannotHold) {
+    scene_.images[0].bytes.clear();
+    material().diffuse_map.texture = 0;
+    std::vector<std::string> notes;
+    for (const char* const name : {" t.png", "t.png ", "t.png\nnewmtl n"}) {
+        test::write_text(dir_ / name, "x");
+        scene_.images[0].path = dir_ / name;
+        const prep::Scene again = read_back(notes);
+        EXPECT_EQ(again.materials.size(), 1u) << name;
+        EXPECT_TRUE(again.images.empty()) << name;
+        EXPECT_EQ(notes.size(), 1u) << name;
+    }
+    test::write_text(dir_ / "-s 2 2 2.png", "x");
+    scene_.images[0].path = dir_ / "-s 2 2 2.png";
+    const prep::Scene again = read_back(notes);
+    EXPECT_TRUE(notes.empty());
+    ASSERT_EQ(again.images.size(), 1u);
+    EXPECT_EQ(again.images[0].path.filename(), "-s 2 2 2.png");
+    EXPECT_EQ(again.materials[0].diffuse_map.scale, glm::vec2(1));
+}
+
 // With another set's UVs the map would be seen.
 TEST_F(WrittenMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
     material().diffuse_map = {.texture = 0, .uv_set = 1};

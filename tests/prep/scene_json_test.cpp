@@ -124,6 +124,9 @@ TEST(SceneJson, SaysTheLineAndColumnOfEveryKindOfComplaint) {
     expect({"{\"meshprep\": 1,\n\n  \"a\": {\"x\": 1,\n \"x\": 2}}", ErrorCode::syntax, ":4:4",
             "the key 'x' is given twice"});
     expect({"{\"a\": {\"x\": 1}, \"b\": {\"x\": 1}} x", ErrorCode::syntax, ":1:32", ""});
+    const auto vast = parse("{\"meshprep\": 1e999}");
+    ASSERT_FALSE(vast.has_value());
+    EXPECT_EQ(vast.error().text, "number overflow parsing '1e999'");
     const auto nested = [](std::size_t depth) {
         return "{\"comment\": " + std::string(depth, '[') + std::string(depth, ']') + "}";
     };

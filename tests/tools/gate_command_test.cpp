@@ -67,6 +67,21 @@ TEST_F(GateCommand, ExitCodesAreThoseOfDiff) {
     EXPECT_EQ(found["findings"][0]["corner"], angles["worst"][0]["corner"]);
 }
 
+// Points are not compared: a gate that passed would say that they are alike.
+TEST_F(GateCommand, NothingToCompareIsAnError) {
+    write_text(dir_ / "p.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+    write_text(dir_ / "q.obj", "v 0 0 5\nv 1 7 0\nv 3 3 3\np 1 2 3\n");
+    const test::Ran ran = run_here({"diff", at("p.obj"), at("q.obj"), "--gate", at("gate.json")});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.err.find("there is nothing to compare"), std::string::npos) << ran.err;
+    // A mesh that is missing is a difference.
+    for (const auto& [a, b] : {std::pair{"p.obj", "a.ply"}, {"a.ply", "p.obj"}}) {
+        const test::Ran other = run_here({"diff", at(a), at(b), "--gate", at("gate.json")});
+        EXPECT_EQ(other.exit_code, 1);
+        EXPECT_NE(other.err.find("the gate is not passed"), std::string::npos) << other.err;
+    }
+}
+
 TEST_F(GateCommand, AGateThatIsNoneSaysWhere) {
     const std::pair<const char*, const char*> wrong[] = {
         {"{", "is no JSON"},

@@ -478,4 +478,22 @@ TEST_F(OddInputs, AFileWhoseNameLooksLikeAnOptionIsRecognised) {
     EXPECT_EQ(meant.exit_code, 0) << meant.err;
 }
 
+// A file that could not be read again.
+TEST_F(OddInputs, NodesThatPutPointsBeyondFloats) {
+    write_text(dir_ / "s.json",
+               R"({"meshprep": 1, "meshes": {"b": {"shape": {"kind": "box"}}}, "nodes":
+        [{"name": "a", "scale": 1e30}, {"mesh": "b", "parent": "a", "scale": 1e30}]})");
+    for (const char* const ending : {"obj", "ply", "stl", "off"}) {
+        const test::Ran ran =
+            run_here({"prepare", at("s.json"), "-o", at("out." + std::string(ending))});
+        EXPECT_EQ(ran.exit_code, 1) << ending;
+        EXPECT_NE(ran.err.find("beyond the range of float (3.4e38) where nodes put them"),
+                  std::string::npos)
+            << ran.err;
+        EXPECT_FALSE(std::filesystem::exists(at("out." + std::string(ending))));
+    }
+    // Where nodes are kept, they stay as they are.
+    EXPECT_EQ(run_here({"prepare", at("s.json"), "-o", at("out.glb")}).exit_code, 0);
+}
+
 }  // namespace

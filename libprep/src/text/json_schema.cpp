@@ -136,8 +136,10 @@ class Watcher {
 // The library's message without its own code and position, which we give in our way:
 // "[json.exception.parse_error.101] parse error at line 1, column 3: syntax error while …".
 std::string plain_message(const std::string& message) {
-    const std::size_t colon = message.find(": ");
-    return colon == std::string::npos ? message : message.substr(colon + 2);
+    // "[what kind] where: what", or without a place.
+    std::size_t begin = message.find(": ");
+    if (begin == std::string::npos && message.starts_with('[')) begin = message.find("] ");
+    return begin == std::string::npos ? message : message.substr(begin + 2);
 }
 
 // Counts what the parser has consumed, so that complaints of our own have a position too.

@@ -293,10 +293,20 @@ Result<prep::Scene> load_mesh(const std::filesystem::path& path, const DiffComma
     return scene;
 }
 
+bool has_faces(const prep::Scene& scene) {
+    return std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                       [](const prep::Mesh& mesh) { return mesh.face_count() > 0; });
+}
+
 Result<Verdict> judge_meshes(const DiffCommand& command, const prep::Scene& a, const prep::Scene& b,
                              Console& console) {
     const Result<Gate> gate = gate_of(command);
     if (!gate) return gate.error();
+    if (!has_faces(a) && !has_faces(b))
+        return Error{ErrorCode::invalid,
+                     "there is nothing to compare: neither file has faces, and lines and points "
+                     "are not compared",
+                     command.a.string()};
     if (gate->views == 0 && !gate->drawn_limit.empty())
         return Error{ErrorCode::invalid, "is a limit of what is drawn, and there are 0 views",
                      command.gate.string() + "#/limits/" + gate->drawn_limit};

@@ -98,13 +98,18 @@ void note_sources(const InputFile& input, const prep::Scene& scene, const Prepar
     for (const std::filesystem::path& file : files) add(input.relabelled(file.string()));
 }
 
-// Lengths are floats where they are written, and wherever they are read.
-std::optional<prep::Error> beyond_float(const prep::Scene& scene,
+// Lengths are floats where they are written, and wherever they are read. `scale`: what the command
+// line made of them.
+std::optional<prep::Error> beyond_float(const prep::Scene& scene, double scale,
                                         const std::filesystem::path& input) {
     struct Bounds {
         glm::dvec3 low{std::numeric_limits<double>::infinity()};
         glm::dvec3 high{-std::numeric_limits<double>::infinity()};
     };
+    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
+    const glm::dmat4 stays(1.0);
+    if (std::all_of(world.begin(), world.end(), [&](const auto& to) { return to == stays; }))
+        return std::nullopt;
     std::vector<Bounds> bounds(scene.meshes.size());
     for (std::size_t m = 0; m < scene.meshes.size(); ++m)
         for (const glm::dvec3 p : scene.meshes[m].positions)
@@ -112,7 +117,6 @@ std::optional<prep::Error> beyond_float(const prep::Scene& scene,
                 bounds[m].low = glm::min(bounds[m].low, p);
                 bounds[m].high = glm::max(bounds[m].high, p);
             }
-    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
     double largest = 0;
     for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
         if (scene.nodes[n].mesh >= bounds.size()) continue;
@@ -129,9 +133,10 @@ std::optional<prep::Error> beyond_float(const prep::Scene& scene,
     using Limits = std::numeric_limits<float>;
     if (largest > double(Limits::max()))
         return prep::Error{prep::ErrorCode::invalid,
-                           "coordinates are beyond the range of float (3.4e38) with this --scale",
+                           std::string("coordinates are beyond the range of float (3.4e38) ") +
+                               (scale != 1 ? "with this --scale" : "where nodes put them"),
                            input.string()};
-    if (largest > 0 && largest < double(Limits::min()))
+    if (scale != 1 && largest > 0 && largest < double(Limits::min()))
         return prep::Error{
             prep::ErrorCode::invalid,
             "no coordinate is left in the range of float (1.2e-38) with this --scale",
@@ -312,8 +317,10 @@ class FilePreparation {
     // At the scale and with the axis that were asked for, and with something to prepare.
     bool place() {
         prep::place_scene(scene_, command_.scale, command_.up);
-        if (command_.scale != 1) {
-            if (auto error = beyond_float(scene_, job_.input)) return failed(*std::move(error));
+        // Files without nodes have points where nodes put them.
+        if (command_.scale != 1 || !is_gltf_) {
+            if (auto error = beyond_float(scene_, command_.scale, job_.input))
+                return failed(*std::move(error));
         }
         out_.before = count_scene(scene_);
         if (out_.gltf_before.figures.empty()) out_.parts = count_parts(scene_);

@@ -332,6 +332,10 @@ void MtlWriter::map(std::string& mtl, const std::string& word, const TextureRef&
 void MtlWriter::map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
                          const std::string& file) {
     if (file.empty()) return;
+    if (statement_name(file) != file)
+        return note(
+            "MTL cannot hold every name of a picture: maps of names with line ends, or "
+            "with blanks around them, are left out");
     mtl += word;
     if (ref.strength != 1) mtl += fmt::format(" -bm {}", ref.strength);
     if (ref.scale != glm::vec2(1.0f)) mtl += fmt::format(" -s {} {} 1", ref.scale.x, ref.scale.y);
@@ -344,7 +348,8 @@ void MtlWriter::map_line(std::string& mtl, const std::string& word, const Textur
     else if (texture.wrap_u != Wrap::repeat || texture.wrap_v != Wrap::repeat)
         note("MTL repeats or clamps textures in both directions: others will repeat");
     if (ref.rotation != 0) note("MTL has no texture rotation: left out");
-    mtl += fmt::format(" {}\n", file);
+    // What begins with a dash is an option.
+    mtl += fmt::format(" {}{}\n", file.starts_with('-') ? "./" : "", file);
 }
 
 // The image's name relative to the output; embedded ones are written beside it.
