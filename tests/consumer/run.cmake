@@ -13,15 +13,17 @@ run(${CMAKE_COMMAND} -S ${PROGRAM_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 run(${WORK_DIR}/build/consumer ${MESH})
 # The libraries that are loaded when they are needed are found where they were installed. (Within the
-# build's folder a program finds the build's: what it is linked with tells.)
-find_program(LDD ldd)
-if(LDD)
-  execute_process(COMMAND ${LDD} ${WORK_DIR}/build/consumer OUTPUT_VARIABLE linked)
-  foreach(library libprep_images.so libprep_readers.so)
-    if(NOT linked MATCHES "${library} => ${WORK_DIR}/prefix/")
-      message(FATAL_ERROR "the program is not linked with the installed ${library}:\n${linked}")
-    endif()
-  endforeach()
+# build's folder a program finds the build's: what it was linked with tells.) And with its start none is
+# loaded: a program that reads no picture needs no OpenImageIO.
+find_program(READELF readelf)
+if(READELF)
+  execute_process(COMMAND ${READELF} -d ${WORK_DIR}/build/consumer OUTPUT_VARIABLE linked)
+  if(NOT linked MATCHES "RUNPATH[^\n]*${WORK_DIR}/prefix/")
+    message(FATAL_ERROR "the program does not look where the libraries are installed:\n${linked}")
+  endif()
+  if(linked MATCHES "NEEDED[^\n]*libprep_")
+    message(FATAL_ERROR "the program loads libraries at its start:\n${linked}")
+  endif()
 endif()
 
 # The samples of the documentation: every block of C++ is a program, built as the block of CMake beside

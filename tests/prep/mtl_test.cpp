@@ -314,9 +314,9 @@ TEST(MtlFile, WrittenMaterialsReadBack) {
 }
 
 // A triangle with one material and one picture of 2 × 2 texels, all of a colour.
-class WrittenMtl : public ::testing::Test {
+class OneMaterialMtl : public ::testing::Test {
   protected:
-    WrittenMtl() {
+    OneMaterialMtl() {
         const prep::Image image{
             2, 2, 3, {0.25f, 0.75f, 1, 0.25f, 0.75f, 1, 0.25f, 0.75f, 1, 0.25f, 0.75f, 1}};
         scene_.images.resize(1);
@@ -344,7 +344,7 @@ class WrittenMtl : public ::testing::Test {
     prep::Scene scene_;
 };
 
-TEST_F(WrittenMtl, GreenThatPointsDownIsTurnedOver) {
+TEST_F(OneMaterialMtl, GreenThatPointsDownIsTurnedOver) {
     material().normal_map.texture = 0;
     material().normal_map_flip_green = true;
     std::vector<std::string> notes;
@@ -363,7 +363,7 @@ TEST_F(WrittenMtl, GreenThatPointsDownIsTurnedOver) {
     EXPECT_NE(notes[0].find("its green turned over"), std::string::npos) << notes[0];
 }
 
-TEST_F(WrittenMtl, ObjectSpaceNormalMapsAreLeftOut) {
+TEST_F(OneMaterialMtl, ObjectSpaceNormalMapsAreLeftOut) {
     material().normal_map.texture = 0;
     material().normal_map_space = prep::NormalMapSpace::object;
     std::vector<std::string> notes;
@@ -371,7 +371,7 @@ TEST_F(WrittenMtl, ObjectSpaceNormalMapsAreLeftOut) {
     EXPECT_EQ(notes, std::vector<std::string>{"MTL has no object-space normal maps: left out"});
 }
 
-TEST_F(WrittenMtl, WhatIsBlackStaysBlack) {
+TEST_F(OneMaterialMtl, WhatIsBlackStaysBlack) {
     material().diffuse = {0, 0, 0, 1};
     material().diffuse_map.texture = 0;
     material().emissive_map.texture = 0;
@@ -387,7 +387,7 @@ TEST_F(WrittenMtl, WhatIsBlackStaysBlack) {
     EXPECT_TRUE(read_back(notes).materials.at(0).diffuse_map);
 }
 
-TEST_F(WrittenMtl, AnExponentOfZeroStays) {
+TEST_F(OneMaterialMtl, AnExponentOfZeroStays) {
     material().specular = glm::vec3(0.5f);
     material().shininess = 0;
     std::vector<std::string> notes;
@@ -397,7 +397,7 @@ TEST_F(WrittenMtl, AnExponentOfZeroStays) {
     EXPECT_TRUE(again.warnings.empty()) << again.warnings.at(0);
 }
 
-TEST_F(WrittenMtl, PicturesOfNamesThatAStatementCannotHold) {
+TEST_F(OneMaterialMtl, PicturesOfNamesThatAStatementCannotHold) {
     scene_.images[0].bytes.clear();
     material().diffuse_map.texture = 0;
     std::vector<std::string> notes;
@@ -419,7 +419,7 @@ TEST_F(WrittenMtl, PicturesOfNamesThatAStatementCannotHold) {
 }
 
 // With another set's UVs the map would be seen.
-TEST_F(WrittenMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
+TEST_F(OneMaterialMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
     material().diffuse_map = {.texture = 0, .uv_set = 1};
     std::vector<std::string> notes;
     EXPECT_TRUE(read_back(notes).meshes.at(0).uvs.empty());
@@ -429,7 +429,7 @@ TEST_F(WrittenMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
     EXPECT_EQ(read_back(notes).meshes.at(0).uvs.size(), 1u);
 }
 
-TEST_F(WrittenMtl, BordersAroundTexturesAreToldInGltf) {
+TEST_F(OneMaterialMtl, BordersAroundTexturesAreToldInGltf) {
     material().diffuse_map.texture = 0;
     scene_.textures[0].wrap_v = prep::Wrap::border;
     const auto notes = prep::save_scene(test::untouched(scene_), dir_ / "a.glb");
