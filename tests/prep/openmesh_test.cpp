@@ -76,7 +76,7 @@ TEST(OpenMeshFile, ChunksThatAreNotTakenAreNamed) {
     using namespace std::string_literals;
     const std::string of_faces = chunk(2, 4, 3, false) + std::string(5 * 3, 'f');
     const std::string with_alpha = chunk(0, 4, 4, false) + std::string(8 * 4, 'a');
-    const std::string custom = chunk(0, 6, 1, true) + "\4\0heat"s + "\10\0\0\0"s + "12345678";
+    const std::string custom = chunk(0, 6, 1, true) + "\4heat\6double"s + "\10\0\0\0"s + "12345678";
     const auto scene = parse_om(text.substr(0, text.size() - 2) + of_faces + with_alpha + custom +
                                 text.substr(text.size() - 2));
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
@@ -85,8 +85,46 @@ TEST(OpenMeshFile, ChunksThatAreNotTakenAreNamed) {
               "test.om: what was not taken: faces' colours, vertices' colours, heat");
 }
 
+// Written by OpenMesh 9 with Options::Status: the cube with a double by vertex, a text by face, an
+// int by edge and one of the mesh, all of them persistent, and with every kind of status.
+TEST(OpenMeshFile, PropertiesAndStatusAsOpenMeshWritesThemAreNamed) {
+    const auto scene = parse_om(sample("extras.om"));
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].vertex_count(), 8u);
+    EXPECT_EQ(scene->meshes[0].face_count(), 5u);
+    EXPECT_EQ(scene->meshes[0].positions[7], glm::vec3(1.1f, 1, 1));
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_EQ(scene->warnings[0],
+              "test.om: what was not taken: vertices' status, edges' status, half-edges' status, "
+              "faces' status, curvature, label, crease, meta");
+}
+
+// Until 2.1 nothing says what type a property is of.
+TEST(OpenMeshFile, OlderPropertiesHaveNoTypeName) {
+    using namespace std::string_literals;
+    std::string text = sample("floats.om");
+    text[3] = 0x41;
+    text.insert(text.size() - 2, "\xc2\0"s + "\4heat"s + "\10\0\0\0"s + "12345678");
+    const auto scene = parse_om(text);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_EQ(scene->warnings[0], "test.om: what was not taken: heat");
+}
+
+TEST(OpenMeshFile, NamesLongerThanTheFileAreErrors) {
+    using namespace std::string_literals;
+    std::string text = sample("floats.om");
+    text.resize(text.size() - 2);
+    const std::string at = "test.om, byte " + std::to_string(text.size());
+    for (const std::string& rest : {""s, "\xff"s, "\4hea"s, "\4heat"s, "\4heat\xff"s})
+        EXPECT_EQ(om_error(text + "\xc2\0"s + rest), at + ": a chunk's name is cut short");
+    EXPECT_EQ(om_error(text + "\xc2\0\4heat\6double\1\0"s), at + ": a property is cut short");
+    EXPECT_EQ(om_error(text + "\xc2\0\4heat\6double\xff\xff\xff\xff"s),
+              at + ": a chunk of 4294967295 bytes, but only 0 are left");
+}
+
 TEST(OpenMeshFile, EveryTruncationIsAnError) {
-    for (const char* name : {"doubles.om", "floats.om"}) {
+    for (const char* name : {"doubles.om", "floats.om", "extras.om"}) {
         const std::string whole = sample(name);
         ASSERT_GT(whole.size(), 300u);
         for (std::size_t n = 0; n < whole.size(); ++n)
@@ -95,15 +133,17 @@ TEST(OpenMeshFile, EveryTruncationIsAnError) {
 }
 
 TEST(OpenMeshFile, EveryByteTurnedIsAnErrorOrAValidMesh) {
-    const std::string whole = sample("floats.om");
-    std::size_t refused = 0;
-    for (std::size_t i = 0; i < whole.size(); ++i)
-        for (const int bits : {0x01, 0x80, 0xff}) {
-            std::string bent = whole;
-            bent[i] = char(bent[i] ^ bits);
-            refused += !parse_om(bent).has_value();  // parse_om() checks what is accepted
-        }
-    EXPECT_GT(refused, whole.size() / 4);  // header and connectivity make up more than that
+    for (const char* name : {"floats.om", "extras.om"}) {
+        const std::string whole = sample(name);
+        std::size_t refused = 0;
+        for (std::size_t i = 0; i < whole.size(); ++i)
+            for (const int bits : {0x01, 0x80, 0xff}) {
+                std::string bent = whole;
+                bent[i] = char(bent[i] ^ bits);
+                refused += !parse_om(bent).has_value();  // parse_om() checks what is accepted
+            }
+        EXPECT_GT(refused, whole.size() / 4);  // header and connectivity make up more than that
+    }
 }
 
 TEST(OpenMeshFile, ErrorsNameTheByte) {

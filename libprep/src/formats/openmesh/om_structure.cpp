@@ -106,18 +106,28 @@ class Walker {
         return {};
     }
 
+    // A byte that says how long, and so many characters: the names of properties and their types.
+    Result<std::string> short_text() {
+        const std::size_t length = left() > 0 ? byte(at_) : 0;
+        if (left() < 1 + length) return fail("a chunk's name is cut short");
+        std::string text(reinterpret_cast<const char*>(bytes_.data()) + at_ + 1, length);
+        at_ += 1 + length;
+        return text;
+    }
+
     Result<void> chunk(unsigned head) {
         const unsigned entity = head >> 2 & 7, type = head >> 5 & 15, dim = (head >> 11 & 7) + 1;
         const unsigned bits = head >> 14 & 3;
         const bool floats = head >> 10 & 1;
         const bool named = head >> 1 & 1;
         own_name_.clear();
-        if (named) {  // 16-bit length and characters
-            if (left() < 2) return fail("a chunk's name is cut short");
-            const std::size_t length = std::size_t(byte(at_)) | std::size_t(byte(at_ + 1)) << 8;
-            if (length > 256 || left() - 2 < length) return fail("a chunk's name is cut short");
-            own_name_.assign(reinterpret_cast<const char*>(bytes_.data()) + at_ + 2, length);
-            at_ += 2 + length;
+        if (named) {
+            auto own = short_text();
+            if (!own) return std::move(own).error();
+            own_name_ = *std::move(own);
+            // Since 2.2 the name of its type follows.
+            if ((byte(3) & 0x1f) >= 2)
+                if (auto type_name = short_text(); !type_name) return std::move(type_name).error();
         }
         std::uint64_t count = 0;
         switch (entity) {
@@ -166,8 +176,11 @@ class Walker {
             size = count * dim * (std::uint64_t(4) << bits);
         } else if (type == status || type == color) {
             if (type == color && (dim < 3 || dim > 4)) return fail("colours of an unknown kind");
-            size = count * (type == color ? dim : 1) *
-                   (type == color && floats ? std::uint64_t(4) << bits : std::uint64_t(1) << bits);
+            // OpenMesh writes a status as the 32 bits that it is, whatever the head says of bits.
+            const std::uint64_t each = type == status ? 4
+                                       : floats       ? std::uint64_t(4) << bits
+                                                      : std::uint64_t(1) << bits;
+            size = count * (type == color ? dim : 1) * each;
             if (type == color && entity == vertices && !named && dim == 3 && !floats && bits == 0) {
                 if (!have_positions_) return before_positions();
                 kind_ = Kind::mesh;
