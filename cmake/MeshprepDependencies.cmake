@@ -2,4 +2,4 @@
 # meshprepConfig.cmake with find_dependency. Each is linked PRIVATE by the library that wraps it.
 set(meshprep_dependencies
   Threads glm TBB nlohmann_json FastFloat meshoptimizer draco assimp hwy fmt OpenMesh
-  OpenImageIOLibrary PNG JPEG CGALHeaders OpenSubdiv)
+  OpenImageIOLibrary PNG JPEG ZLIB CGALHeaders OpenSubdiv)

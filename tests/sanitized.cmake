@@ -7,7 +7,7 @@ set(sanitized_tests
     prep_gltf_compression_odd prep_gltf_container prep_gltf_mend
     prep_gltf_repair prep_gltf_rewrite_cases prep_gltf_values prep_image_damage prep_mtl prep_obj
     prep_obj_names prep_obj_values prep_odd_files prep_off prep_openmesh prep_ply prep_ply_colors prep_scene_bytes prep_scene_json
-    prep_stl
+    prep_stl prep_threemf
     # meshes
     prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_moving_cages prep_prepare prep_prepare_subdivide
     prep_recover_quads prep_repair prep_repair_flat prep_repair_holes prep_repair_marks prep_source_corners prep_split prep_subdivide

@@ -11,6 +11,7 @@
 #include <oneapi/tbb/version.h>
 #include <opensubdiv/version.h>
 #include <png.h>
+#include <zlib.h>
 
 #include <boost/version.hpp>
 #include <glm/detail/setup.hpp>
@@ -59,6 +60,7 @@ std::vector<Dependency> dependencies() {
          dotted(OPENSUBDIV_VERSION_MAJOR, OPENSUBDIV_VERSION_MINOR, OPENSUBDIV_VERSION_PATCH),
          "Apache-2.0, modified"},
         {"OpenMesh", dotted(OM_GET_VER, OM_GET_MAJ, OM_GET_MIN), "BSD-3-Clause"},
+        {"zlib", ZLIB_VERSION, "Zlib"},
     };
 }
 

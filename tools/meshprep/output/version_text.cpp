@@ -1,7 +1,6 @@
 #include "meshprep/output/version_text.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <CLI/Version.hpp>
 
@@ -19,7 +18,6 @@ std::string version_text() {
         {"{fmt}",
          fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100),
          "MIT with an exception for binaries"});
-    all.push_back({"zlib", ZLIB_VERSION, "Zlib"});
     std::string text = fmt::format("meshprep {}\nApache-2.0. Built on:\n", prep::version());
     for (const prep::Dependency& d : all)
         text += fmt::format("  {:<14} {:<10} {}\n", d.name, d.version, d.licence);

@@ -8,12 +8,14 @@
 #include <assimp/Importer.hpp>
 #include <exception>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <string_view>
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/reader_limits.h"
+#include "formats/assimp/threemf/model_review.h"
 #include "formats/assimp/utf16.h"
 #include "formats/reader_backend.h"
 #include "prep/files.h"
@@ -157,6 +159,12 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
     const std::optional<std::string> converted = text_of_utf16_file(path);
     if (auto checked = check_md5_numbers(path, converted); !checked)
         return std::move(checked).error();
+    std::optional<PackageReview> package;
+    if (lower_case(path.extension().string()) == ".3mf") {
+        auto review = review_package(path);
+        if (!review) return std::move(review).error();
+        package = *std::move(review);
+    }
     try {
         std::vector<std::filesystem::path> others;
         std::unique_ptr<Assimp::Importer> importer = make_importer(others);
@@ -185,6 +193,9 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
         auto read = read_scene(*own, path, options);
         if (read) look_at_text(path, converted, *read);
+        if (read && package)
+            std::move(package->warnings.begin(), package->warnings.end(),
+                      std::back_inserter(read->warnings));
         std::error_code ec;
         std::erase_if(others, [&](const std::filesystem::path& file) {
             return std::filesystem::equivalent(file, path, ec);
