@@ -1,5 +1,6 @@
-// 3MF packages, written here byte by byte: what of them Assimp would lose without a word. What is
-// expected follows from the 3MF core and production specifications and from PKWARE's APPNOTE.
+// 3MF packages, written here byte by byte: what of them Assimp would lose without a word, pictures
+// in them. What is expected follows from the 3MF core, materials and production
+// specifications and from PKWARE's APPNOTE.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -302,6 +303,52 @@ TEST(ThreeMf, DamagedModelsAndPackagesWithoutAModelAreErrors) {
     EXPECT_EQ(load_error(parts), "a.3mf/_rels/.rels: the package names no model");
     parts[1].name = "other";
     EXPECT_EQ(load_error(parts), "a.3mf/_rels/.rels: the package has no such part");
+}
+
+// --- pictures and colours
+// --------------------------------------------------------------------------
+
+// A picture and the triangles that have it.
+std::string textured(const std::string& attributes) {
+    std::string mesh = tetrahedron;
+    for (std::size_t at = 0; (at = mesh.find("<triangle v1", at)) != std::string::npos; at += 9)
+        mesh.insert(at + 9, " pid='21' p1='0' p2='1' p3='2'");
+    return model("<m:texture2d id='20' path='/3D/Textures/t.png' contenttype='image/png' " +
+                     attributes +
+                     "/><m:texture2dgroup id='21' texid='20'><m:tex2coord u='0' v='0'/>"
+                     "<m:tex2coord u='1' v='0'/><m:tex2coord u='0' v='1'/></m:texture2dgroup>" +
+                     object(1, mesh, "pid='21' pindex='0'"),
+                 "<item objectid='1'/>");
+}
+
+TEST(ThreeMf, PicturesAreThoseOfThePackage) {
+    std::vector<Part> parts = parts_of(textured(""));
+    const std::string picture = "any bytes: nobody decodes them here";
+    parts.push_back({"3D/Textures/other.png", "another"});
+    parts.push_back({"3D/Textures/t.png", picture, true});
+    const test::TempDir dir;
+    const auto scene = load(parts, dir);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->warnings, Strings{});
+    ASSERT_EQ(scene->images.size(), 1u);
+    EXPECT_EQ(text_of(scene->images[0].bytes), picture);
+    ASSERT_EQ(scene->materials.size(), 1u);
+    EXPECT_TRUE(scene->materials[0].diffuse_map);
+    EXPECT_EQ(scene->materials[0].diffuse, glm::vec4(1));
+    ASSERT_EQ(scene->meshes.at(0).uvs.size(), 1u);
+}
+
+// The search for pictures would find it by its name.
+TEST(ThreeMf, FilesBesideThePackageAreNotItsPictures) {
+    const test::TempDir dir;
+    test::write_text(dir / "t.png", "beside");
+    const auto scene = load(parts_of(textured("tilestyleu='wrap' tilestylev='mirror'")), dir);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(scene->images.empty());
+    EXPECT_EQ(scene->materials.at(0).diffuse, glm::vec4(1));
+    EXPECT_EQ(joined(scene->warnings),
+              "pictures that the package does not have, or not whole: /3D/Textures/t.png\n"
+              "textures repeat, whatever the file says of their tiles: /3D/Textures/t.png");
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ namespace {
 
 // Skins, animations, cameras and lights are told by the names of nodes: nodes come before them.
 Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
-                         const LoadOptions& options) {
-    AssimpImport import{from, path, {}, {}, join_split_meshes(from)};
+                         const LoadOptions& options, const PackageParts* package) {
+    AssimpImport import{from, path, {}, {}, join_split_meshes(from), package};
     import.scene.name = path.filename().string();
     import_materials(import, options);
     import_sides(import);
@@ -191,7 +191,7 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
             return Error{ErrorCode::syntax, std::string("Assimp: ") + importer->GetErrorString(),
                          path.string()};
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
-        auto read = read_scene(*own, path, options);
+        auto read = read_scene(*own, path, options, package ? &package->parts : nullptr);
         if (read) look_at_text(path, converted, *read);
         if (read && package)
             std::move(package->warnings.begin(), package->warnings.end(),

@@ -15,6 +15,7 @@
 
 #include "formats/assimp/counted_names.h"
 #include "formats/assimp/split_meshes.h"
+#include "formats/assimp/threemf/package_parts.h"
 #include "prep/load.h"
 #include "prep/result.h"
 #include "prep/scene.h"
@@ -61,6 +62,7 @@ struct AssimpImport {
     Scene scene;
     AssimpNodes nodes;
     MeshParts parts = {};
+    const PackageParts* package = nullptr;  // of 3MF: where its pictures are
 
     bool is_by(std::string_view reader) const { return detail::is_by(from, reader); }
     // "3 keys …", "1 key …" in the scene's warnings; nothing for a count of 0.

@@ -140,6 +140,9 @@ class MaterialReader {
                                             from_.mTextures[t]->mFilename.length));
         import_.warn_not_kept(unused, "embedded picture that no map names",
                               "embedded pictures that no map names");
+        if (!not_in_package_.empty())
+            scene_.warnings.push_back("pictures that the package does not have, or not whole: " +
+                                      not_in_package_.text());
         if (!raw_texels_.empty())
             scene_.warnings.push_back("embedded pictures of raw texels were not taken: " +
                                       raw_texels_.text());
@@ -156,6 +159,9 @@ class MaterialReader {
         out.name = in.text(AI_MATKEY_NAME).value_or("");
         if (const auto c = in.color(AI_MATKEY_COLOR_DIFFUSE))
             out.diffuse = glm::vec4(*c, out.diffuse.a);
+        // Textures of 3MF have no colour beside them: Assimp writes black.
+        if (import_.package != nullptr && in.map(aiTextureType_DIFFUSE))
+            out.diffuse = glm::vec4(1, 1, 1, out.diffuse.a);
         out.emissive = in.color(AI_MATKEY_COLOR_EMISSIVE).value_or(glm::vec3(0.0f));
         highlight(in, out);
         if (const auto opacity = in.number(AI_MATKEY_OPACITY)) {
@@ -414,7 +420,15 @@ class MaterialReader {
         if (!added) return it->second;
         ImageRef image;
         image.name = file;
-        if (const aiTexture* embedded = from_.GetEmbeddedTexture(file.c_str())) {
+        if (import_.package != nullptr && file.starts_with('*')) {
+            image.name = file.substr(1);
+            auto part = import_.package->unpack(image.name);
+            if (!part) {
+                not_in_package_.add(image.name);
+                return it->second = no_index;
+            }
+            image.bytes = *std::move(part);
+        } else if (const aiTexture* embedded = from_.GetEmbeddedTexture(file.c_str())) {
             embedded_.insert(embedded);
             // Height 0: a whole compressed file; else raw texels.
             if (embedded->mHeight != 0) {
@@ -436,7 +450,7 @@ class MaterialReader {
     Scene& scene_;
     std::map<std::string, Index> images_;
     std::map<PackedKey, Index> packed_;
-    NameList raw_texels_;
+    NameList raw_texels_, not_in_package_;
     CountedNames not_kept_;
     std::set<const aiTexture*> embedded_;  // those that maps name
     std::uint64_t unplaced_ = 0;
