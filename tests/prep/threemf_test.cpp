@@ -1,5 +1,5 @@
 // 3MF packages, written here byte by byte: what of them Assimp would lose without a word, pictures
-// in them. What is expected follows from the 3MF core, materials and production
+// in them, colours. What is expected follows from the 3MF core, materials and production
 // specifications and from PKWARE's APPNOTE.
 #include <gtest/gtest.h>
 
@@ -349,6 +349,23 @@ TEST(ThreeMf, FilesBesideThePackageAreNotItsPictures) {
     EXPECT_EQ(joined(scene->warnings),
               "pictures that the package does not have, or not whole: /3D/Textures/t.png\n"
               "textures repeat, whatever the file says of their tiles: /3D/Textures/t.png");
+}
+
+TEST(ThreeMf, DisplayColorsAreEncodedInSrgb) {
+    const test::TempDir dir;
+    const auto scene =
+        load(parts_of(model("<basematerials id='10'><base name='Grey' displaycolor='#808080'/>"
+                            "<base name='Odd' displaycolor='#FF0A00'/></basematerials>" +
+                                object(1, tetrahedron, "pid='10' pindex='0'"),
+                            "<item objectid='1'/>")),
+             dir);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->materials.size(), 2u);
+    // IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4, and 10/255 / 12.92 on the straight part.
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(scene->materials[0].diffuse[k], 0.2158605f, 1e-6f);
+    EXPECT_EQ(scene->materials[1].diffuse.r, 1.0f);
+    EXPECT_NEAR(scene->materials[1].diffuse.g, 0.00303527f, 1e-8f);
+    EXPECT_EQ(scene->materials[1].diffuse.b, 0.0f);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "base/srgb.h"
 #include "formats/assimp/import.h"
 #include "formats/assimp/material_properties.h"
 #include "formats/picture_search.h"
@@ -158,7 +159,7 @@ class MaterialReader {
         Material out;
         out.name = in.text(AI_MATKEY_NAME).value_or("");
         if (const auto c = in.color(AI_MATKEY_COLOR_DIFFUSE))
-            out.diffuse = glm::vec4(*c, out.diffuse.a);
+            out.diffuse = glm::vec4(is_encoded(out.name) ? decoded(*c) : *c, out.diffuse.a);
         // Textures of 3MF have no colour beside them: Assimp writes black.
         if (import_.package != nullptr && in.map(aiTextureType_DIFFUSE))
             out.diffuse = glm::vec4(1, 1, 1, out.diffuse.a);
@@ -190,6 +191,16 @@ class MaterialReader {
         opacity_map(opacity, out);
         in.count_unread(not_kept_);
         scene_.materials.push_back(std::move(out));
+    }
+
+    // The base materials of 3MF, which Assimp calls so ("id10_Red"), unlike the one that it makes
+    // where a file has none: display colours are encoded in sRGB there (3MF core specification).
+    bool is_encoded(const std::string& name) const {
+        return import_.package != nullptr && name.starts_with("id");
+    }
+    static glm::vec3 decoded(glm::vec3 color) {
+        for (int k = 0; k < 3; ++k) color[k] = float(srgb_to_linear(double(color[k])));
+        return color;
     }
 
     // The specular colour and its multiplier, the exponent, and what stands for them where the file
