@@ -23,7 +23,7 @@ using Strings = std::vector<std::string>;
 
 std::string bytes_of(std::uint64_t value, int width) {
     std::string out;
-    for (int i = 0; i < width; ++i) out += char(value >> 8 * i & 255);
+    for (; width > 0; --width, value >>= 8) out += char(value & 255);
     return out;
 }
 
@@ -308,15 +308,22 @@ TEST(ThreeMf, DamagedModelsAndPackagesWithoutAModelAreErrors) {
 // --- pictures and colours
 // --------------------------------------------------------------------------
 
-// A picture and the triangles that have it.
+// A picture and the triangles that have it, each vertex with the UV of its number.
 std::string textured(const std::string& attributes) {
     std::string mesh = tetrahedron;
-    for (std::size_t at = 0; (at = mesh.find("<triangle v1", at)) != std::string::npos; at += 9)
-        mesh.insert(at + 9, " pid='21' p1='0' p2='1' p3='2'");
+    for (std::size_t at = 0; (at = mesh.find(" v1='", at)) != std::string::npos;) {
+        const std::string indices = mesh.substr(at, mesh.find("/>", at) - at);  // " v1='0' …"
+        std::string same = indices;
+        for (char& c : same)
+            if (c == 'v') c = 'p';
+        mesh.insert(at, " pid='21'" + same);
+        at += 9 + same.size() + 1;
+    }
     return model("<m:texture2d id='20' path='/3D/Textures/t.png' contenttype='image/png' " +
                      attributes +
                      "/><m:texture2dgroup id='21' texid='20'><m:tex2coord u='0' v='0'/>"
-                     "<m:tex2coord u='1' v='0'/><m:tex2coord u='0' v='1'/></m:texture2dgroup>" +
+                     "<m:tex2coord u='1' v='0'/><m:tex2coord u='0' v='1'/>"
+                     "<m:tex2coord u='1' v='1'/></m:texture2dgroup>" +
                      object(1, mesh, "pid='21' pindex='0'"),
                  "<item objectid='1'/>");
 }
@@ -349,6 +356,34 @@ TEST(ThreeMf, FilesBesideThePackageAreNotItsPictures) {
     EXPECT_EQ(joined(scene->warnings),
               "pictures that the package does not have, or not whole: /3D/Textures/t.png\n"
               "textures repeat, whatever the file says of their tiles: /3D/Textures/t.png");
+}
+
+// Assimp has room for one of each vertex.
+TEST(ThreeMf, SeamsOfUvsAreToldWhereTheyAre) {
+    // The first three triangles share vertices, in other corners of them.
+    const std::string expected =
+        "vertices have one UV each, which is wrong at the seams of objects: 1";
+    const std::string groups =
+        "<m:texture2dgroup id='20' texid='3'/><m:texture2dgroup id='21' texid='3'>"
+        "<m:tex2coord u='0' v='0'/><m:tex2coord u='1' v='0'/><m:tex2coord u='0' v='1'/>"
+        "<m:tex2coord u='1.0' v='0.0'/></m:texture2dgroup>";
+    const auto with = [&](const std::string& first, const std::string& second) {
+        const std::string triangles = "<triangles><triangle v1='0' v2='2' v3='1' " + first +
+                                      "/><triangle v1='0' v2='1' v3='3' " + second +
+                                      "/></triangles></mesh>";
+        return model(
+            groups + object(1, tetrahedron.substr(0, tetrahedron.find("<triangles>")) + triangles,
+                            "pid='21' pindex='1'"),
+            "<item objectid='1'/>");
+    };
+    const std::string first = "pid='21' p1='0' p2='2' p3='1'";
+    EXPECT_EQ(review(with(first, "pid='21' p1='0' p2='1' p3='1'")), "");
+    EXPECT_EQ(review(with(first, "pid='21' p1='0' p2='3' p3='2'")), "");  // the same in other words
+    EXPECT_EQ(review(with(first, "pid='21' p1='0' p2='2' p3='1'")), expected);
+    EXPECT_EQ(review(with(first, "pid='21' p1='0'")), expected);  // all three are p1
+    EXPECT_EQ(review(with("", "")), "");                          // all have the object's
+    EXPECT_EQ(review(with("", first)), expected);
+    EXPECT_EQ(review(with(first, "pid='20' p1='7'")), "");  // a group without any
 }
 
 TEST(ThreeMf, DisplayColorsAreEncodedInSrgb) {

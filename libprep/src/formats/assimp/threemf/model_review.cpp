@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 #include "formats/assimp/threemf/xml_tags.h"
@@ -41,6 +42,69 @@ bool same_part(std::string_view a, std::string_view b) {
     return bare(a) == bare(b);
 }
 
+// A file of nonsense must not fill the terminal.
+std::string shown(const std::string& text) {
+    constexpr std::size_t longest = 200;
+    return text.size() > longest ? text.substr(0, longest) + "…" : text;
+}
+
+// Objects of which a vertex has another UV in another triangle: Assimp keeps one for each vertex,
+// that of the last triangle. Nothing is kept of files without texture coordinates.
+class UvSeams {
+  public:
+    void group(const XmlTags& tag) { uvs_ = &groups_[id_of(tag.attribute("id"))]; }
+    void uv(const XmlTags& tag) {
+        if (uvs_ == nullptr) return;
+        Uv made{};
+        for (const auto& [name, value] : tag.attributes())
+            if (name == "u" || name == "v")
+                std::from_chars(value.data(), value.data() + value.size(), made[name == "v"]);
+        uvs_->push_back(made);
+    }
+    void object(const XmlTags& tag, Id id) {
+        if (groups_.empty()) return;
+        object_ = id;
+        corners_.clear();
+        group_ = id_of(tag.attribute("pid"));
+        index_ = id_of(tag.attribute("pindex"));
+    }
+    void triangle(const XmlTags& tag) {
+        if (groups_.empty()) return;
+        Id group = group_;
+        std::array<Id, 3> vertices{no_id, no_id, no_id}, indices = vertices;
+        for (const auto& [name, value] : tag.attributes()) {
+            if (name == "pid") group = id_of(value);
+            if (name.size() != 2 || name[1] < '1' || name[1] > '3') continue;
+            if (name[0] == 'v') vertices[std::size_t(name[1] - '1')] = id_of(value);
+            if (name[0] == 'p') indices[std::size_t(name[1] - '1')] = id_of(value);
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Id first = indices[0] == no_id ? index_ : indices[0];
+            const std::optional<Uv> made = find(group, indices[k] == no_id ? first : indices[k]);
+            if (!made) continue;
+            const auto [it, added] = corners_.emplace(vertices[k], *made);
+            if (!added && it->second != *made) with_seams_.add(std::to_string(object_));
+        }
+    }
+    const NameList& objects() const { return with_seams_; }
+
+  private:
+    using Uv = std::array<double, 2>;
+
+    std::optional<Uv> find(Id group, Id index) const {
+        const auto found = groups_.find(group);
+        if (found == groups_.end() || index < 0 || std::size_t(index) >= found->second.size())
+            return std::nullopt;
+        return found->second[std::size_t(index)];
+    }
+
+    std::map<Id, std::vector<Uv>> groups_;
+    std::vector<Uv>* uvs_ = nullptr;  // of the group that the tags are in
+    Id object_ = no_id, group_ = no_id, index_ = no_id;
+    std::unordered_map<Id, Uv> corners_;  // by vertex of the object
+    NameList with_seams_;
+};
+
 class ModelReview {
   public:
     ModelReview(std::string_view xml, const std::string& part, const std::string& place)
@@ -61,6 +125,12 @@ class ModelReview {
                 has_shape_ = true;
             } else if (name == "item" || name == "component") {
                 reference(name == "item");
+            } else if (name == "triangle") {
+                seams_.triangle(tags_);
+            } else if (local_name(name) == "tex2coord") {
+                seams_.uv(tags_);
+            } else if (local_name(name) == "texture2dgroup") {
+                seams_.group(tags_);
             } else if (local_name(name) == "texture2d") {
                 texture();
             }
@@ -97,12 +167,12 @@ class ModelReview {
             at = end;
             const auto found = namespaces.find(prefix);
             if (found == namespaces.end())
-                return refused("it requires the extension '" + prefix +
+                return refused("it requires the extension '" + shown(prefix) +
                                "', a prefix that it does not declare");
             const std::string& extension = found->second;
             if (std::find(supported_extensions.begin(), supported_extensions.end(), extension) ==
                 supported_extensions.end())
-                return refused("it requires the extension " + extension +
+                return refused("it requires the extension " + shown(extension) +
                                ", which is not read: export it without; materials, production and "
                                "triangle sets are");
             production_required_ |= extension == production_extension;
@@ -116,6 +186,7 @@ class ModelReview {
         object_ = id_of(tags_.attribute("id"));
         has_shape_ = false;
         objects_.insert(object_);
+        seams_.object(tags_, object_);
         in_object_ = true;
         if (tags_.is_empty()) leave_object();
     }
@@ -155,8 +226,9 @@ class ModelReview {
 
     Result<std::vector<std::string>> conclusion() const {
         if (production_required_ && !other_parts_.empty())
-            return refused("objects of other parts of the package are not read: " +
-                           first_elsewhere_ + "; save it with all objects in one model part");
+            return refused(
+                "objects of other parts of the package are not read: " + shown(first_elsewhere_) +
+                "; save it with all objects in one model part");
         NameList missing, stand_ins;
         for (const Reference& reference : references_) {
             const bool is_here = objects_.contains(reference.object);
@@ -172,6 +244,8 @@ class ModelReview {
         say("in the place of objects of other parts stand those of the same number here: ",
             stand_ins);
         say("objects without a mesh or components that are read are empty: ", shapeless_);
+        say("vertices have one UV each, which is wrong at the seams of objects: ",
+            seams_.objects());
         say("textures repeat, whatever the file says of their tiles: ", tiled_);
         return out;
     }
@@ -185,6 +259,7 @@ class ModelReview {
     std::vector<Reference> references_;
     std::string first_elsewhere_;
     NameList other_parts_, shapeless_, tiled_;
+    UvSeams seams_;
 };
 
 // Of a part; UTF-16 becomes UTF-8.
