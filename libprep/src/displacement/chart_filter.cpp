@@ -13,6 +13,7 @@
 #include "displacement/chart_texels.h"
 #include "displacement/height_data.h"
 #include "displacement/map_charts.h"
+#include "displacement/unfolded_ends.h"
 
 namespace prep::detail {
 namespace {
@@ -59,6 +60,7 @@ class ChartFilter {
         for_charts([&](std::uint32_t c, int threads) { changes[c] = filter(c, threads); });
         for (const double change : changes) made_.change = std::max(made_.change, change);
         made_.change *= std::abs(map_.unit);
+        unfold();
         return std::move(made_);
     }
 
@@ -389,7 +391,7 @@ class ChartFilter {
         if (std::find(covered.mask.begin(), covered.mask.end(), std::uint8_t(1)) ==
             covered.mask.end())
             return made;
-        made.plane = fitted(chart, covered);
+        made.plane = fitted_plane(map_, chart.own, covered, chart.of.wraps);
         made.texels = means(chart, covered, made.plane, made.in, threads);
         return made;
     }
@@ -460,7 +462,7 @@ class ChartFilter {
                         const glm::dvec2 at{double(i), double(j)};
                         const glm::dvec2 part = 1.0 - glm::abs(at - centre) / step;
                         weights += part.x * part.y;
-                        sum += part.x * part.y * (raw_at(i, j) - plane.at(at));
+                        sum += part.x * part.y * (map_.texel(i, j) - plane.at(at));
                     }
                 if (!(weights > 0)) continue;
                 const auto t = std::size_t(row * in.width + column);
@@ -473,29 +475,6 @@ class ChartFilter {
         for (std::size_t t = 0; t < parts.size(); ++t)
             own.covered[t] = parts[t] > 0 && parts[t] >= std::min(0.5F, most);
         return own;
-    }
-    double raw_at(std::int64_t i, std::int64_t j) const {
-        return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
-    }
-
-    // Through the first texel, its slope by least squares of all; level where the chart wraps.
-    HeightPlane fitted(const Chart& chart, const CoveredTexels& covered) const {
-        const TexelBox& in = chart.own;
-        HeightPlane plane;
-        PlaneFit fit;
-        bool any = false;
-        for (std::int64_t j = in.y; j < in.y + in.height; ++j)
-            for (std::int64_t i = in.x; i < in.x + in.width; ++i) {
-                if (!covered(i, j)) continue;
-                const glm::dvec2 at{double(i), double(j)};
-                if (!any) plane = {at, glm::dvec2(0.0), raw_at(i, j)};
-                any = true;
-                fit.add(at - plane.from, raw_at(i, j) - plane.height, 1);
-            }
-        plane.slope = fit.slope();
-        for (glm::length_t k = 0; k < 2; ++k)
-            if (chart.of.wraps[std::size_t(k)]) plane.slope[k] = 0;
-        return plane;
     }
 
     CoveredTexels cover(const Chart& chart) const {
@@ -549,6 +528,12 @@ class ChartFilter {
         if (c == no_index || !(charts_[c].spacing > 0)) return chart.is_reduced() ? some : 1;
         const glm::dvec2 here = chart.reads(), there = charts_[c].reads();
         return std::max(there.x, there.y) > more * std::min(here.x, here.y) ? some : 1;
+    }
+
+    void unfold() {
+        std::vector<FoldedChart> charts;
+        for (const Chart& chart : charts_) charts.push_back({&chart.of, chart.spacing > 0});
+        unfold_ends(map_, atlas_, charts, made_);
     }
 
     // What may be made of a chart: no texel twice.

@@ -13,9 +13,15 @@
 // or 5 texels for each along that axis, as no coarser map carries them; what is finer than a texel
 // leaves the map as it is. Of charts that are smaller than two spacings half their size is taken:
 // there are no waves of that length in them.
+//
+// Where a chart ends at a border of a map that repeats, or its other side is not what lies a map's
+// width further on, both sides no longer agree there: the map that is made is not folded along that
+// axis then (unfolded_ends.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "displacement/height_field.h"
@@ -27,7 +33,11 @@ struct HeightMapData;
 struct FilteredMap {
     std::int64_t width = 0, height = 0;
     std::vector<float> raw;
-    double change = 0;  // the largest of a height, in the map's units
+    // Along an axis it is not repeated but all that its charts lie in, and some texels around.
+    std::array<bool, 2> is_unfolded{};
+    glm::dvec2 scale{1.0}, shift{0.0};  // in it a placed UV is scale · uv + shift
+    std::vector<std::uint8_t> kept;     // HeightMapData::kept
+    double change = 0;                  // the largest of a height, in the map's units
 };
 
 // Errors: limit (more than 2^28 texels).

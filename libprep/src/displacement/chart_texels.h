@@ -1,6 +1,7 @@
 // Texels of a chart: a box of a map, those that are covered, and a plane of heights over them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -44,5 +45,10 @@ struct CoveredTexels {
                mask[std::size_t(row * x.count + column)];
     }
 };
+
+// Through the first texel, its slope by least squares of all those covered in a box; level along
+// axes that wrap.
+HeightPlane fitted_plane(const HeightMapData& map, const TexelBox& in, const CoveredTexels& covered,
+                         const std::array<bool, 2>& wraps);
 
 }  // namespace prep::detail

@@ -39,6 +39,8 @@ struct HeightMapData {
     HeightMapOptions options;
     HeightAxis x, y;
     std::vector<float> raw;  // row by row
+    // Texels that are no gutter although no chart covers them; empty: none.
+    std::vector<std::uint8_t> kept;
     double unit = 1, mid = 0;
     int bits = 0, file_bits = 0;
     // Map coordinates over those of the mesh, without the last half: size · (matrix · uv + offset).

@@ -172,7 +172,9 @@ HeightMap HeightMap::confined(ChartTriangles charts) const {
     map->bits = data_->bits;
     map->file_bits = data_->file_bits;
     map->raw = data_->raw;
-    fill_gutters(*map, covered_texels(*map, charts));
+    std::vector<std::uint8_t> covered = covered_texels(*map, charts);
+    for (std::size_t t = 0; t < data_->kept.size(); ++t) covered[t] |= data_->kept[t];
+    fill_gutters(*map, std::move(covered));
     finish(*map);
     return HeightMap(std::move(map));
 }
@@ -181,9 +183,16 @@ Result<HeightMap::Limited> HeightMap::limited(const ChartAtlas& atlas, double sp
     auto filtered = filter_charts(*data_, atlas, spacing);
     if (!filtered) return std::move(filtered).error();
     auto map = like(*data_);
-    map->x = {filtered->width, data_->x.wrap};
-    map->y = {filtered->height, data_->y.wrap};
+    const auto& is_unfolded = filtered->is_unfolded;
+    map->x = {filtered->width, is_unfolded[0] ? Wrap::clamp : data_->x.wrap};
+    map->y = {filtered->height, is_unfolded[1] ? Wrap::clamp : data_->y.wrap};
     map->raw = std::move(filtered->raw);
+    map->kept = std::move(filtered->kept);
+    if (is_unfolded[0] || is_unfolded[1]) {
+        const glm::dvec2& scale = filtered->scale;
+        map->matrix = glm::dmat2(scale.x, 0, 0, scale.y) * map->matrix;
+        map->offset = scale * map->offset + filtered->shift;
+    }
     finish(*map);
     return Limited{HeightMap(std::move(map)), filtered->change};
 }
