@@ -418,6 +418,24 @@ TEST_F(OneMaterialMtl, PicturesOfNamesThatAStatementCannotHold) {
     EXPECT_EQ(again.materials[0].diffuse_map.scale, glm::vec2(1));
 }
 
+// Of two sets an OBJ file has the one that a map reads which is seen.
+TEST_F(OneMaterialMtl, UnseenMapsDoNotChooseTheUvs) {
+    scene_.meshes[0].uvs.push_back({{{0, 0}, {0.5f, 0}, {0, 0.5f}}, {0, 1, 2}});
+    material().diffuse = {0, 0, 0, 1};
+    material().diffuse_map = {.texture = 0, .uv_set = 0};
+    material().emissive = glm::vec3(1);
+    material().emissive_map = {.texture = 0, .uv_set = 1};
+    std::vector<std::string> notes;
+    const prep::Scene again = read_back(notes);
+    EXPECT_TRUE(again.materials.at(0).emissive_map);
+    ASSERT_EQ(again.meshes.at(0).uvs.size(), 1u);
+    EXPECT_EQ(again.meshes[0].uvs[0].values.at(1), glm::vec2(0.5f, 0));
+    material().diffuse = glm::vec4(1);
+    material().emissive = glm::vec3(0);
+    std::swap(material().diffuse_map.uv_set, material().emissive_map.uv_set);
+    EXPECT_TRUE(read_back(notes).materials.at(0).diffuse_map);
+}
+
 // With another set's UVs the map would be seen.
 TEST_F(OneMaterialMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
     material().diffuse_map = {.texture = 0, .uv_set = 1};

@@ -235,4 +235,18 @@ TEST(PictureSearch, MaterialLibrariesAreFoundTheSameWay) {
     EXPECT_EQ(scene->materials[0].diffuse, glm::vec4(1, 0, 0, 1));
 }
 
+// A name of thousands of folders would be sought in seconds and gigabytes.
+TEST(PictureSearchPlaces, AreFewWhateverTheName) {
+    const Place place({"textures/t.png"});
+    std::string name;
+    for (int n = 0; n < 1500; ++n) name += "a/";
+    PictureSearch search(place.model());
+    const auto found = search.locate(name + "t.png");
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->lexically_relative(place.model()).generic_string(), "textures/t.png");
+    EXPECT_LT(search.passed_over().size(), 700u);
+    EXPECT_TRUE(search.passed_over().contains(place.model() / "t.png"));
+    EXPECT_FALSE(search.passed_over().contains(place.model() / "textures/t.png"));
+}
+
 }  // namespace

@@ -131,6 +131,22 @@ TEST(PackageParts, WhatUnpacksToTooMuchOrIsDamagedIsAnError) {
     EXPECT_EQ(unpacked(other, "a"), damaged);
 }
 
+// However often parts share their bytes, or one is unpacked.
+TEST(PackageParts, UnpackToNoMoreThanAFewHundredTimesThePackage) {
+    const std::string file = package({{"a", std::string(300000, 'x')}});
+    const auto parts = PackageParts::of(raw(file), "a.3mf");
+    ASSERT_TRUE(parts.has_value());
+    const std::size_t most = (std::size_t(64) << 20) / 300000;
+    for (std::size_t n = 0; n < most; ++n) ASSERT_TRUE(parts->unpack("a").has_value()) << n;
+    const auto more = parts->unpack("a");
+    ASSERT_FALSE(more.has_value());
+    EXPECT_EQ(more.error().code, prep::ErrorCode::limit);
+}
+
+TEST(PackageParts, TwoOfOneNameAreAnError) {
+    EXPECT_FALSE(PackageParts::of(raw(package({{"3D/a", "x"}, {"3d/A", "y"}})), "a.3mf"));
+}
+
 // --- models
 // ----------------------------------------------------------------------------------------
 

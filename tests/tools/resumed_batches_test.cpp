@@ -146,6 +146,22 @@ TEST_F(Resumed, AFileThatAppearsWhereItIsNamedIsRead) {
     EXPECT_EQ(run(), "skipped");
 }
 
+// Neither the picture itself, by a way through a directory that is not there, nor a directory of
+// its name is a file that could appear.
+TEST_F(Resumed, WhatIsThereIsNotWaitedFor) {
+    fs::create_directories(dir_ / "textures");
+    fs::create_directories(dir_ / "maps");
+    const prep::Image picture{2, 2, 3, std::vector<float>(12, 0.5f)};
+    ASSERT_TRUE(prep::save_image(dir_ / "tex.png", picture));
+    fs::copy_file(dir_ / "tex.png", dir_ / "textures/maps");
+    for (const char* const name : {"nodir/../tex.png", "maps"}) {
+        write_text(dir_ / "a.mtl", "newmtl m\nmap_Kd " + std::string(name) + "\n");
+        write_text(dir_ / "a.obj", "mtllib a.mtl\nusemtl m\n" + test::textured_cube_obj());
+        EXPECT_EQ(run(), "ok") << name;
+        EXPECT_EQ(run(), "skipped") << name;
+    }
+}
+
 // What a scene file's meshes lack is lacking in the scene.
 TEST_F(Resumed, ALibraryThatAMeshOfASceneLacksIsLookedForAgain) {
     write_text(dir_ / "part.obj", "mtllib part.mtl\nusemtl m\n" + test::textured_cube_obj());

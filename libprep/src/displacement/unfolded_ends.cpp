@@ -163,7 +163,9 @@ class UnfoldedEnds {
         const std::vector<std::uint8_t> covered = covered_texels(folded, atlas_.triangles);
         for (const Edge& edge : wrapped_) {
             const glm::length_t k = edge.normal, other = 1 - k;
-            if (!unfolds_[std::size_t(k)]) continue;
+            // A slanted one may turn along the other axis.
+            const bool slanted = std::abs(edge.b[k] - edge.a[k]) > 1;
+            if (!unfolds_[std::size_t(k)] && !(slanted && unfolds_[std::size_t(other)])) continue;
             const auto [low, high] = std::minmax(edge.a[other], edge.b[other]);
             // With those that are read at its ends, where charts lie; beyond them is an end.
             auto first = std::int64_t(std::floor(low)) - 1;

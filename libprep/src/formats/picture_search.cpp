@@ -19,6 +19,11 @@ fs::path plain(const fs::path& path) {
     return fs::is_regular_file(shorter, ec) ? shorter : path;
 }
 
+// Of a name's own folders, in step 3.
+constexpr std::size_t most_parts = 32;
+// Bytes of places that a search remembers.
+constexpr std::size_t most_passed_over = std::size_t(16) << 20;
+
 fs::path joined(fs::path base, const std::vector<std::string>& parts) {
     for (const std::string& part : parts) base /= part;
     return base;
@@ -81,8 +86,20 @@ const std::vector<std::string>& PictureSearch::entries(const fs::path& directory
 bool PictureSearch::is_file(const fs::path& path) {
     std::error_code ec;
     if (fs::is_regular_file(path, ec)) return true;
-    tried_.push_back(path);
+    tried_.push_back(path.string());
     return false;
+}
+
+// What is there all the same (a directory; a way back out of a directory that is not there) hides
+// nothing by appearing.
+void PictureSearch::pass_over_tried() {
+    for (const std::string& text : tried_) {
+        const fs::path path = fs::path(text).lexically_normal();
+        std::error_code ec;
+        if (fs::exists(path, ec)) continue;
+        if (passed_over_bytes_ > most_passed_over) return;
+        if (passed_over_.insert(path).second) passed_over_bytes_ += text.size();
+    }
 }
 
 std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
@@ -138,13 +155,15 @@ std::optional<fs::path> PictureSearch::search(const std::string& name) {
         }
         if (base != directory_)
             if (auto path = in_any_case(base, inner_parts(std::string(rest)))) return path;
+        if (parts.size() > most_parts)
+            parts.erase(parts.begin(), parts.end() - std::ptrdiff_t(most_parts));
         for (; !parts.empty(); parts.erase(parts.begin()))
             for (const fs::path& place : sought_directories()) {
                 std::error_code ec;
                 fs::path there = place;
                 // The folders themselves may be in capitals: "Textures".
                 if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
-                    tried_.push_back(joined(place, parts));
+                    tried_.push_back(joined(place, parts).string());
                     const auto& all = entries(place.parent_path(), place.filename().string());
                     if (all.empty()) continue;
                     there = place.parent_path() / all.front();
@@ -161,10 +180,9 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
         return std::nullopt;
     const auto known = known_.find(name);
     if (known != known_.end()) return known->second;
-    tried_.clear();
     std::optional<fs::path> found = search(name);
-    if (found)
-        for (const fs::path& path : tried_) passed_over_.insert(path.lexically_normal());
+    if (found) pass_over_tried();
+    tried_.clear();
     return known_.emplace(name, std::move(found)).first->second;
 }
 
@@ -202,6 +220,8 @@ std::vector<std::string> PictureSearch::warnings() const {
 
 void PictureSearch::tell(Scene& scene) const {
     for (std::string& warning : warnings()) scene.warnings.push_back(std::move(warning));
+    // Where there were too many to remember, none of them is known to be still missing.
+    scene.library_missing |= passed_over_bytes_ > most_passed_over;
     scene.passed_over.insert(scene.passed_over.end(), passed_over_.begin(), passed_over_.end());
 }
 

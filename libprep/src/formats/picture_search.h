@@ -5,7 +5,8 @@
 //   1. as it stands: an absolute path that exists, or a path relative to the model ("../"
 //   included);
 //   2. with '\' for '/', its percent-encoding undone, in any capitals;
-//   3. its last parts, longest first and never through "..", in the model's directory, in that
+//   3. its last parts (32 at most), longest first and never through "..", in the model's directory,
+//   in that
 //      one's picture folders (picture_folders), in the same folders beside it ("source/model.fbx"
 //      with "textures/"), and in the directories that the user names.
 // In 3 nothing is found outside of these directories. Between names that differ in capitals alone
@@ -69,8 +70,10 @@ class PictureSearch {
     using Listing = std::map<std::string, std::vector<std::string>>;  // by name in small letters
     std::map<std::string, Listing> listings_;                         // by directory
     std::map<std::string, std::optional<std::filesystem::path>> known_;
-    std::vector<std::filesystem::path> tried_;  // in the search at hand, and no files
+    void pass_over_tried();
+    std::vector<std::string> tried_;  // in the search at hand, and no files
     std::set<std::filesystem::path> passed_over_;
+    std::size_t passed_over_bytes_ = 0;
 };
 
 }  // namespace prep::detail

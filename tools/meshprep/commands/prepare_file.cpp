@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "base/process_memory.h"
-#include "formats/picture_search.h"
 #include "meshprep/budgets/prepare_budget.h"
 #include "meshprep/commands/prepare_report.h"
 #include "meshprep/commands/render_views.h"

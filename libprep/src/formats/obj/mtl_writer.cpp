@@ -32,12 +32,6 @@ bool is_absolute_name(const std::string& name) {
 // Of no exponent at all it differs by less than a picture holds.
 constexpr float least_exponent = 1e-4f;
 
-// Whether MTL says anything of such a map.
-bool has_statement(MapKind kind) {
-    return kind != MapKind::occlusion && kind != MapKind::layer_normal &&
-           kind != MapKind::anisotropy;
-}
-
 }  // namespace
 
 MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileSet& files,
@@ -52,9 +46,39 @@ MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileS
         Index set = no_index;
         for (const MaterialMap& map : material_maps)
             if (const TextureRef& ref = material.*map.ref;
-                ref && set == no_index && has_statement(map.kind))
+                ref && set == no_index && is_written(material, map.kind))
                 set = ref.uv_set;
         uv_sets_.push_back(set);
+    }
+}
+
+// A black colour with a picture is read as a white one: programs that know no factors write that.
+bool MtlWriter::shows_nothing(const glm::vec3& color, const TextureRef& ref) const {
+    if (!ref || color != glm::vec3(0.0f) || ref.texture >= scene_.textures.size()) return false;
+    const Index index = scene_.textures[ref.texture].image;
+    if (index >= scene_.images.size()) return false;
+    const ImageRef& image = scene_.images[index];
+    std::error_code ec;
+    return !image.bytes.empty() || !image.channels.empty() ||
+           std::filesystem::is_regular_file(image.path, ec);
+}
+
+// Whether MTL says anything of such a map.
+bool MtlWriter::is_written(const Material& in, MapKind kind) const {
+    switch (kind) {
+        case MapKind::occlusion:
+        case MapKind::layer_normal:
+        case MapKind::anisotropy:
+            return false;
+        case MapKind::diffuse:
+            return in.alpha_mode == AlphaMode::blend ||
+                   !shows_nothing(glm::vec3(in.diffuse), in.diffuse_map);
+        case MapKind::emissive:
+            return !shows_nothing(in.emissive, in.emissive_map);
+        case MapKind::normal:
+            return in.normal_map_space == NormalMapSpace::tangent;
+        default:
+            return true;
     }
 }
 
@@ -188,10 +212,9 @@ void MtlWriter::material(const Material& in, const std::string& name, Index set,
     if (in.occlusion_map) note("MTL has no occlusion maps: left out");
 }
 
-// A black colour with a map is read as a white one: programs that know no factors write that.
 void MtlWriter::map_on(const glm::vec3& color, std::string& mtl, const char* word,
                        const TextureRef& ref) {
-    if (!ref || color != glm::vec3(0.0f)) return map(mtl, word, ref);
+    if (!shows_nothing(color, ref)) return map(mtl, word, ref);
     note(
         "MTL takes a black colour with a map for a white one: maps that show nothing, on black, "
         "are left out");

@@ -56,6 +56,8 @@ class MtlWriter {
     const ImageRef* image_of(const TextureRef& ref);
     std::string file_name(const ImageRef& image) const;
     void map(std::string& mtl, const std::string& word, const TextureRef& ref);
+    bool shows_nothing(const glm::vec3& color, const TextureRef& ref) const;
+    bool is_written(const Material& in, MapKind kind) const;
     void map_on(const glm::vec3& color, std::string& mtl, const char* word, const TextureRef& ref);
     void normal_map(const Material& in, std::string& mtl);
     void map_line(std::string& mtl, const std::string& word, const TextureRef& ref,

@@ -270,6 +270,9 @@ Result<std::string> text_of(const PackageParts& parts, std::string_view name) {
     return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
+constexpr std::string_view model_relationship =
+    "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+
 // The model's name as the package's relationships have it.
 Result<std::string> model_part(const PackageParts& parts, const std::string& place) {
     auto relationships = text_of(parts, "/_rels/.rels");
@@ -277,7 +280,7 @@ Result<std::string> model_part(const PackageParts& parts, const std::string& pla
     XmlTags tags(*relationships);
     while (tags.next())
         if (tags.name() == "Relationship" &&
-            tags.attribute("Type").value_or("").ends_with("/3dmodel"))
+            tags.attribute("Type").value_or("") == model_relationship)
             return tags.attribute("Target").value_or("");
     return Error{ErrorCode::invalid, "the package names no model", place + "/_rels/.rels"};
 }

@@ -120,7 +120,8 @@ Result<PackageParts> PackageParts::of(std::vector<std::byte> bytes, const std::s
                         {&entry.size, &entry.packed, &entry.header}))
             return damaged;
         const auto* const text = reinterpret_cast<const char*>(rest.data()) + head;
-        parts.entries_.emplace(key_of({text, name}), entry);
+        if (!parts.entries_.emplace(key_of({text, name}), entry).second)
+            return Error{ErrorCode::syntax, "two of its parts have one name", place};
         rest = rest.subspan(size);
     }
     return parts;
@@ -159,6 +160,10 @@ Result<std::vector<std::byte>> PackageParts::unpack(std::string_view name) const
                          " bytes, which is more than meshes do (200 times the packed size, at most "
                          "4 GiB)",
                      place};
+    if (unpacked_ + entry.size > std::max(always, ratio * all.size()))
+        return Error{ErrorCode::limit,
+                     "the package's parts together unpack to more than 200 times its size", place};
+    unpacked_ += entry.size;
     const Bytes packed = all.subspan(start, entry.packed);
     std::vector<std::byte> out;
     if (entry.method == 0) {

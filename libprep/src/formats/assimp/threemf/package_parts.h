@@ -25,7 +25,8 @@ class PackageParts {
     bool has(std::string_view name) const;
 
     // Errors: invalid (there is none of that name), unsupported, syntax (damaged), limit: more than
-    // 64 MiB and more than 200 times the packed size, or more than 4 GiB.
+    // 64 MiB and more than 200 times the packed size, or more than 4 GiB; of all parts together,
+    // each counted as often as it is unpacked, more than 64 MiB and 200 times the package.
     Result<std::vector<std::byte>> unpack(std::string_view name) const;
 
   private:
@@ -36,6 +37,7 @@ class PackageParts {
 
     std::vector<std::byte> bytes_;
     std::string place_;
+    mutable std::uint64_t unpacked_ = 0;
     std::map<std::string, Entry> entries_;  // by name without the slash, in small letters
 };
 
