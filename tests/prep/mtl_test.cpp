@@ -445,6 +445,10 @@ TEST_F(OneMaterialMtl, FacesWithoutTheSetThatAMapReadsHaveNoUvs) {
                                               "maps read are written without UVs"});
     material().diffuse_map.uv_set = 0;
     EXPECT_EQ(read_back(notes).meshes.at(0).uvs.size(), 1u);
+    // Where there are none at all, none are lost.
+    scene_.meshes[0].uvs.clear();
+    read_back(notes);
+    EXPECT_TRUE(notes.empty());
 }
 
 TEST_F(OneMaterialMtl, BordersAroundTexturesAreToldInGltf) {

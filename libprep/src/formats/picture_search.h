@@ -6,9 +6,8 @@
 //   included);
 //   2. with '\' for '/', its percent-encoding undone, in any capitals;
 //   3. its last parts (32 at most), longest first and never through "..", in the model's directory,
-//   in that
-//      one's picture folders (picture_folders), in the same folders beside it ("source/model.fbx"
-//      with "textures/"), and in the directories that the user names.
+//   in that one's picture folders (picture_folders), in the same folders beside it
+//   ("source/model.fbx" with "textures/"), and in the directories that the user names.
 // In 3 nothing is found outside of these directories. Between names that differ in capitals alone
 // the exact one is taken, else the first in the order of bytes.
 #pragma once
@@ -55,6 +54,7 @@ class PictureSearch {
 
   private:
     std::optional<std::filesystem::path> search(const std::string& name);
+    void pass_over_tried();
     bool is_file(const std::filesystem::path& path);
     std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& base,
                                                      const std::vector<std::string>& parts);
@@ -70,7 +70,6 @@ class PictureSearch {
     using Listing = std::map<std::string, std::vector<std::string>>;  // by name in small letters
     std::map<std::string, Listing> listings_;                         // by directory
     std::map<std::string, std::optional<std::filesystem::path>> known_;
-    void pass_over_tried();
     std::vector<std::string> tried_;  // in the search at hand, and no files
     std::set<std::filesystem::path> passed_over_;
     std::size_t passed_over_bytes_ = 0;

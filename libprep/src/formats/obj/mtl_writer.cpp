@@ -229,18 +229,9 @@ void MtlWriter::normal_map(const Material& in, std::string& mtl) {
     if (!image) return;
     const Index index = scene_.textures[in.normal_map.texture].image;
     const std::string file = fmt::format("{}_image{}_green.png", stem_, index);
-    if (made_files_.insert(file).second) {
-        auto decoded = load_image(*image);
-        const auto png = decoded ? turned_green_png(*std::move(decoded)) : decoded.error();
-        if (!png) {
-            made_files_.erase(file);
-            return note("the normal map '" + image->name + "' cannot be read: left out (" +
-                        png.error().text + ")");
-        }
-        if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
-            failure_ = std::move(done).error();
-        note("texture '" + image->name + "' was written anew, its green turned over");
-    }
+    const bool known = made_files_.contains(file);
+    if (!make(file, *image, "normal map", turned_green_png)) return;
+    if (!known) note("texture '" + image->name + "' was written anew, its green turned over");
     map_line(mtl, "norm", in.normal_map, file);
 }
 
@@ -287,6 +278,24 @@ void MtlWriter::physical_statements(const Material& in, std::string& mtl) {
     if (in.metallic > 0) grey_map(mtl, "map_Pm", in.metallic_roughness_map, 2, "metallic");
 }
 
+// What `png` makes of the picture, once, beside the OBJ file. False, and told, where it cannot be
+// read.
+bool MtlWriter::make(const std::string& file, const ImageRef& image, const char* what,
+                     const std::function<Result<std::vector<std::byte>>(Image)>& png) {
+    if (made_files_.contains(file)) return true;
+    auto decoded = load_image(image);
+    const auto made = decoded ? png(*std::move(decoded)) : decoded.error();
+    if (!made) {
+        note(std::string("the ") + what + " '" + image.name + "' cannot be read: left out (" +
+             made.error().text + ")");
+        return false;
+    }
+    if (auto done = files_.add(path_.parent_path() / file, *made); !done && !failure_)
+        failure_ = std::move(done).error();
+    made_files_.insert(file);
+    return true;
+}
+
 // A channel of the packed picture as a file of its own; what was put together is named again.
 void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& ref,
                          std::uint32_t channel, const char* what) {
@@ -301,18 +310,10 @@ void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& r
     }
     const Index index = scene_.textures[ref.texture].image;
     const std::string file = fmt::format("{}_image{}_{}.png", stem_, index, what);
-    if (!made_files_.contains(file)) {
-        const auto decoded = load_image(*image);
-        const auto png = decoded ? encode_png(single_channel(*decoded, channel)) : decoded.error();
-        if (!png) {
-            note("the metallic-roughness picture '" + image->name + "' cannot be read: left out (" +
-                 png.error().text + ")");
-            return;
-        }
-        if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
-            failure_ = std::move(done).error();
-        made_files_.insert(file);
-    }
+    const auto grey = [channel](const Image& of) {
+        return encode_png(single_channel(of, channel));
+    };
+    if (!make(file, *image, "metallic-roughness picture", grey)) return;
     map_line(mtl, word, ref, file);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -52,6 +53,8 @@ class MtlWriter {
     void physical_statements(const Material& in, std::string& mtl);
     void grey_map(std::string& mtl, const char* word, const TextureRef& ref, std::uint32_t channel,
                   const char* what);
+    bool make(const std::string& file, const ImageRef& image, const char* what,
+              const std::function<Result<std::vector<std::byte>>(Image)>& png);
     void opacity_map(const TextureRef& ref, std::string& mtl);
     const ImageRef* image_of(const TextureRef& ref);
     std::string file_name(const ImageRef& image) const;

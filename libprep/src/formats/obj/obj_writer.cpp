@@ -191,15 +191,12 @@ class ObjWriter {
     Index uv_set(const Mesh& mesh, Index material) {
         const Index set = materials_.uv_set(material);
         if (set < mesh.uvs.size() && !mesh.uvs[set].empty()) return set;
-        if (set != no_index) {
-            note(
-                "faces without the UV set that their material's maps read are written without "
-                "UVs");
-            return no_index;
-        }
         const auto there = std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
                                         [](const auto& layer) { return !layer.empty(); });
-        return there == mesh.uvs.end() ? 0 : Index(there - mesh.uvs.begin());
+        if (there == mesh.uvs.end()) return no_index;
+        if (set == no_index) return Index(there - mesh.uvs.begin());
+        note("faces without the UV set that their material's maps read are written without UVs");
+        return no_index;
     }
 
     // Where each set's values begin in the file, where faces have it.

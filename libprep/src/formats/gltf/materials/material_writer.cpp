@@ -1,7 +1,6 @@
 #include "formats/gltf/materials/material_writer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/read_open_file.h"
@@ -260,8 +259,8 @@ std::vector<std::byte> MaterialWriter::converted(const ImageRef& ref, Pixels pix
         note("texture '" + ref.name + "' has heights beyond 0 to 1, where PNG ends: cut off");
     if (heights && decoded->floating)
         note("texture '" + ref.name + "': heights were rounded to 16 bits");
-    // A normal map of more bits keeps them, and heights keep what PNG can hold. Floats get 16 bits
-    // whatever they are: the nearest code of 8 to a mid-level is far.
+    // Heights keep what PNG can hold. Floats get 16 bits whatever they are: the nearest code of 8
+    // to a mid-level is far.
     const bool wide = heights && (decoded->floating || !is_eight_bit(*decoded));
     const auto png = turned ? turned_green_png(*std::move(decoded))
                             : encode_png(*decoded, wide ? PixelType::u16 : PixelType::u8);
