@@ -233,7 +233,7 @@ TEST(OnePicture, ResidualMapsSayWhatTheyCallFor) {
         EXPECT_TRUE(need->needed);
         EXPECT_EQ(need->why.label, prep::ReasonLabel::run);
         EXPECT_EQ(need->reason, prep::sentence(need->why, prepared->scene));
-        EXPECT_EQ(need->reason, "asked for by the request");
+        EXPECT_EQ(need->reason, "a residual normal map reads them");
     }
     const prep::AttributeReads all{true, true, false, {0}};
     EXPECT_EQ(of.provided, all);

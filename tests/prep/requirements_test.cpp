@@ -413,6 +413,8 @@ TEST(Requirements, EveryReasonComesAndGoes) {
         found.insert(c.go.begin(), c.go.end());
         ++number;
     }
+    // Of surfaces, while they are made: PrepareForDocument.ResidualMapsSayWhatTheyCallFor.
+    found.insert("residual_map");
     for (const prep::ReasonRow& row : prep::reason_rows())
         if (row.code != prep::ReasonCode::none && row.code < prep::ReasonCode::view_given) {
             EXPECT_EQ(found.count(std::string(row.key)), 1u) << row.key << " is in no row";

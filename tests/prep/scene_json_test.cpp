@@ -18,7 +18,7 @@ std::string with(const std::string& rest) {
 }
 
 struct Refusal {
-    const char* text;
+    std::string text;
     ErrorCode code;
     const char* place;  // after "nowhere/s.json"
     const char* says;
@@ -124,6 +124,9 @@ TEST(SceneJson, SaysTheLineAndColumnOfEveryKindOfComplaint) {
     expect({"{\"meshprep\": 1,\n\n  \"a\": {\"x\": 1,\n \"x\": 2}}", ErrorCode::syntax, ":4:4",
             "the key 'x' is given twice"});
     expect({"{\"a\": {\"x\": 1}, \"b\": {\"x\": 1}} x", ErrorCode::syntax, ":1:32", ""});
+    // What stands behind a NUL is part of the file.
+    expect({std::string("{\"meshprep\": 1}\0 x", 18), ErrorCode::syntax, ":1:16", "NUL"});
+    expect({std::string("{\"meshprep\": 1}\n\0", 17), ErrorCode::syntax, ":2:1", "NUL"});
     const auto vast = parse("{\"meshprep\": 1e999}");
     ASSERT_FALSE(vast.has_value());
     EXPECT_EQ(vast.error().text, "number overflow parsing '1e999'");

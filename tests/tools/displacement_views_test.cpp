@@ -64,10 +64,11 @@ prep::PrepareOptions options_with_map() {
     return options;
 }
 
-report::DisplacementViews views_of(const prep::Scene& scene, const prep::PrepareOptions& options) {
+report::DisplacementViews views_of(const prep::Scene& scene, const prep::PrepareOptions& options,
+                                   std::uint32_t pixels = 256) {
     const auto displaced = prep::prepare(scene, options);
     EXPECT_TRUE(displaced) << to_string(displaced.error());
-    return report::make_displacement_views(scene, options, *displaced);
+    return report::make_displacement_views(scene, options, *displaced, pixels);
 }
 
 double height_of(const prep::PreparedScene& scene) {
@@ -92,6 +93,16 @@ TEST(DisplacementViews, ShowTheSameHeightsAsBumpsAndInNormals) {
     EXPECT_LE(views.coarse->meshes[0].triangle_count(), 4000U / 32);
     ASSERT_EQ(views.coarse->residual_maps.size(), 1U);
     EXPECT_GT(views.coarse->residual_maps[0].mean_degrees, 1);
+}
+
+// A map with more texels than the picture shows is not baked.
+TEST(DisplacementViews, BakeNoMoreTexelsThanThePictureShows) {
+    for (const auto& [pixels, texels] : {std::pair{20U, 64U}, {100U, 128U}, {4000U, 1024U}}) {
+        const report::DisplacementViews views = views_of(square(), options_with_map(), pixels);
+        ASSERT_TRUE(views.coarse);
+        ASSERT_EQ(views.coarse->residual_maps.size(), 1U);
+        EXPECT_EQ(views.coarse->residual_maps[0].size, texels) << pixels;
+    }
 }
 
 TEST(DisplacementViews, TakeMaterialsByTheirScales) {

@@ -252,9 +252,9 @@ TEST_F(PrepareForDocument, ResidualMapsSayWhatTheyCallFor) {
             .json()["files"][0]["requirements"][0];
     for (const char* what : {"tangents", "uvs"}) {
         EXPECT_EQ(mesh[what]["needed"], true);
-        EXPECT_EQ(mesh[what]["why"]["code"], "request_on") << what;
+        EXPECT_EQ(mesh[what]["why"]["code"], "residual_map") << what;
         EXPECT_EQ(mesh[what]["why"]["label"], "run") << what;
-        EXPECT_EQ(mesh[what]["why"]["sentence"], "asked for by the request") << what;
+        EXPECT_EQ(mesh[what]["why"]["sentence"], "a residual normal map reads them") << what;
     }
     EXPECT_EQ(mesh["provided"]["normals"], true);
     EXPECT_EQ(mesh["provided"]["tangents"], true);

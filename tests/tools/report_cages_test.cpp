@@ -191,6 +191,44 @@ TEST(CagePanels, ShowCageLimitAndCurvatureOfSubdividedMeshesAlone) {
     EXPECT_EQ(reddish(*panel(smooth, "curvature"), -0.1F), 0U);
 }
 
+// Without a scheme there is no cage and no limit surface: the polygons themselves were displaced.
+TEST(CagePanels, DisplacedPolygonsHaveNone) {
+    const test::TempDir dir;
+    test::write_text(dir / "cube.obj", test::textured_cube_obj());
+    for (const bool residual : {false, true}) {
+        std::vector<std::string> args = {"validate",
+                                         (dir / "cube.obj").string(),
+                                         "-o",
+                                         dir.path().string(),
+                                         "--panel",
+                                         "64",
+                                         "--displace",
+                                         "noise",
+                                         "--edge-length",
+                                         "0.5",
+                                         "--noise-scale",
+                                         "0.1",
+                                         "--json"};
+        if (residual) args.insert(args.end(), {"--residual-normal-map", "16"});
+        const test::Ran ran = test::run_here(args);
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        const nlohmann::json sheet = ran.json()["files"][0]["numbers"][0];
+        std::vector<std::string> ids;
+        for (const auto& p : sheet["panels"])
+            if (p["drawn"]) ids.push_back(p["id"]);
+        EXPECT_NE(std::find(ids.begin(), ids.end(), "polygons"), ids.end());
+        for (const char* id : {"cage", "limit-wireframe"})
+            EXPECT_EQ(std::find(ids.begin(), ids.end(), id), ids.end()) << id;
+        const nlohmann::json& figures = sheet["figures"];
+        EXPECT_EQ(figures["Normals and tangents"]["tangents called for"], residual);
+        // The file has no normals: those that differ do so at its hard edges.
+        EXPECT_GT(figures["Vertices"].value("split at hard edges", 0), 0);
+        EXPECT_FALSE(figures["Vertices"].contains("split by authored normals"));
+    }
+    EXPECT_NE(test::file_text(dir / "cube.html").find("6 faces, 12 edges before they were moved"),
+              std::string::npos);
+}
+
 // The whole cage is in the picture: its corners are the farthest there is.
 TEST(CagePanels, ValidateWritesThem) {
     const test::TempDir dir;

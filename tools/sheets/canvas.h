@@ -6,7 +6,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "prep/image.h"
 
@@ -35,6 +38,10 @@ struct TextStyle {
     Align align = Align::left;
 };
 
+struct PixelBox {
+    std::int64_t x0, y0, x1, y1;  // exclusive ends
+};
+
 class Canvas {
   public:
     Canvas(std::uint32_t width, std::uint32_t height, Color background);
@@ -58,14 +65,14 @@ class Canvas {
     void blend(std::int64_t x, std::int64_t y, Color color, double coverage);
 
   private:
+    using Stroke = std::vector<std::pair<double, double>>;
+    void draw_strokes(std::span<const Stroke> strokes, const PixelBox& box, double half,
+                      Color color);
+
     prep::Image image_;
 };
 
 double distance_to_segment(double px, double py, double x0, double y0, double x1, double y1);
-
-struct PixelBox {
-    std::int64_t x0, y0, x1, y1;  // exclusive ends
-};
 // The pixels that the rectangle from (x0, y0) to (x1, y1) touches, of a surface of that size.
 PixelBox clipped(double x0, double y0, double x1, double y1, std::uint32_t width,
                  std::uint32_t height);

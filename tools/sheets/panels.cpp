@@ -475,7 +475,9 @@ class PanelDrawing {
     Step cages() {
         const CagePanelInput input{scene_,           world_,  *clay_,
                                    options_.prepare, scale(), options_.threads};
-        for (const auto& panel : {cage_panel, limit_panel}) {
+        std::vector<Result<Panel> (*)(const CagePanelInput&)> panels{polygons_panel};
+        if (options_.prepare.subdivide) panels = {cage_panel, limit_panel};
+        for (const auto& panel : panels) {
             Result<Panel> made = panel(input);
             if (!made) return made.error();
             made->alt = subject_.name + ", " + made->alt;

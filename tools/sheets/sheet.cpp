@@ -197,6 +197,13 @@ std::string with_commas(std::uint64_t value) {
     return digits;
 }
 
+std::string count_of(std::uint64_t value, const std::string& singular, const std::string& plural) {
+    return with_commas(value) + " " +
+           (value == 1       ? singular
+            : plural.empty() ? singular + "s"
+                             : plural);
+}
+
 prep::Image draw_sheet(const Sheet& sheet, std::uint32_t panel) {
     return Layout(sheet, panel).draw();
 }

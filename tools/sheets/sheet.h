@@ -44,6 +44,9 @@ struct Sheet {
 
 // "12,345".
 std::string with_commas(std::uint64_t value);
+// "1 face", "2 faces": `plural` only where it is not an added s.
+std::string count_of(std::uint64_t value, const std::string& singular,
+                     const std::string& plural = {});
 
 // The whole sheet as one picture: four panels a row, the figures beside the last row's. `panel` is
 // the pictures' size in pixels.

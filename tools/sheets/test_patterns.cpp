@@ -29,9 +29,7 @@ prep::Result<prep::ImageRef> as_reference(const prep::Image& image, const std::s
     return ref;
 }
 
-}  // namespace
-
-prep::Result<prep::ImageRef> uv_checker() {
+prep::Result<prep::ImageRef> make_uv_checker() {
     constexpr std::uint32_t cells = 8, cell = 128;
     Canvas canvas(cells * cell, cells * cell, rgb(0xffffff));
     for (std::uint32_t j = 0; j < cells; ++j) {
@@ -54,7 +52,7 @@ prep::Result<prep::ImageRef> uv_checker() {
     return as_reference(canvas.image(), "UV checker");
 }
 
-prep::Result<prep::ImageRef> bump_normal_map() {
+prep::Result<prep::ImageRef> make_bump_normal_map() {
     constexpr std::uint32_t size = 512, bumps = 6;
     prep::Image image;
     image.width = image.height = size;
@@ -81,6 +79,18 @@ prep::Result<prep::ImageRef> bump_normal_map() {
         }
     }
     return as_reference(image, "test pattern");
+}
+
+}  // namespace
+
+prep::Result<prep::ImageRef> uv_checker() {
+    static const prep::Result<prep::ImageRef> made = make_uv_checker();
+    return made;
+}
+
+prep::Result<prep::ImageRef> bump_normal_map() {
+    static const prep::Result<prep::ImageRef> made = make_bump_normal_map();
+    return made;
 }
 
 }  // namespace report

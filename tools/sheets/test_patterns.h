@@ -1,4 +1,4 @@
-// Pictures put on meshes to make UVs and tangents visible.
+// Pictures put on meshes to make UVs and tangents visible, made once in a program's life.
 #pragma once
 
 #include "prep/image.h"

@@ -131,7 +131,8 @@ class MeshPreparation {
     bool normals_made_ = false, tangents_made_ = false;  // all of the mesh
     // Of a surface that was subdivided or cut: nothing computes others.
     bool limit_normals_ = false;
-    std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target
+    SplitReason normals_apart_ = SplitReason::authored_normal;  // where no hard edge is known
+    std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;   // by target
     std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };
 

@@ -65,7 +65,8 @@ Result<void> MeshPreparation::split_mesh() {
         return split_vertices(mesh_, geometry_.hard ? &*geometry_.hard : nullptr,
                               geometry_.around ? &*geometry_.around : nullptr,
                               {.parts_apart = mesh_.tied_to_file, .threads = options_.threads},
-                              normal_replaced_.empty() ? nullptr : &normal_replaced_);
+                              normal_replaced_.empty() ? nullptr : &normal_replaced_,
+                              normals_apart_);
     });
     if (!split_mesh) return std::move(split_mesh).error();
     out_.meshes[index_] = *std::move(split_mesh);

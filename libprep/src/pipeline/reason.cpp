@@ -23,6 +23,7 @@ constexpr ReasonRow rows[] = {
     {Code::request_on, "request_on", Label::run, "asked for by the request"},
     {Code::request_on_without_uvs, "request_on_without_uvs", Label::not_possible,
      "asked for by the request, but the mesh has no UVs"},
+    {Code::residual_map, "residual_map", Label::run, "a residual normal map reads them"},
     {Code::default_material_lit, "default_material_lit", Label::run,
      "faces without a material are lit by the default one"},
     {Code::material_lit, "material_lit", Label::run, "{material} is lit"},

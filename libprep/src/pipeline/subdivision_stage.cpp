@@ -193,6 +193,9 @@ void MeshPreparation::take_surface(Mesh&& surface) {
     geometry_ = {};
     geometry_.shared = true;
     normal_replaced_.clear();
+    // The normals of polygons may be the file's; those of a limit surface differ at creases.
+    normals_apart_ =
+        options_.subdivide || normals_made_ ? SplitReason::hard_edge : SplitReason::authored_normal;
     limit_normals_ = !mesh_.normals.empty();
     normals_made_ = limit_normals_;
     out_.subdivided[index_] = true;

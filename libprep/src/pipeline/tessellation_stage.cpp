@@ -229,7 +229,7 @@ void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     auto of = residuals_->choose(out_.scene, index_, options, residual_report());
     if (of.materials.empty()) return;
     MeshRequirements& need = out_.requirements[index_];
-    const Reason why = reason(ReasonCode::request_on);  // a residual map, which needs them all
+    const Reason why = reason(ReasonCode::residual_map);
     const Need made{true, sentence(why, out_.scene), false, why};
     if (!need.normals.needed) need.normals = made;
     need.tangents = need.uvs = made;

@@ -182,7 +182,11 @@ std::optional<ParseProblem> parse(std::string_view text, Json& out) {
             Json::parse(first, last, [watcher](int depth, Json::parse_event_t event, Json& value) {
                 return (*watcher)(depth, event, value);
             });
-        return {};
+        // To the parser a NUL is the end; no JSON text has one.
+        position = text.find('\0');
+        if (position == std::string_view::npos) return {};
+        complaint = "a NUL byte";
+        ++position;
     } catch (const Stop& stop) {
         complaint = stop.text;
         position = furthest;

@@ -92,8 +92,12 @@ class Layer {
 class Attributes {
   public:
     Attributes(const Mesh& mesh, const HardEdges* hard, const std::vector<bool>* computed,
-               const SplitOptions& options)
-        : mesh_(mesh), hard_(hard), computed_(computed), threads_(options.threads) {
+               SplitReason unmarked, const SplitOptions& options)
+        : mesh_(mesh),
+          hard_(hard),
+          computed_(computed),
+          unmarked_(unmarked),
+          threads_(options.threads) {
         const int threads = threads_;
         if (!mesh.normals.empty())
             normals_.emplace_back(mesh.normals, missing_normal, mesh, threads);
@@ -218,7 +222,7 @@ class Attributes {
         for (const auto& l : normals_) {
             if (l.same(first, c)) continue;
             if (!hard_ || (computed_ && !((*computed_)[first] && (*computed_)[c]))) {
-                add(SplitReason::authored_normal);
+                add(unmarked_);
                 continue;
             }
             // Computed normals differ because of the edges at either corner; a border only where
@@ -260,6 +264,7 @@ class Attributes {
     const Mesh& mesh_;
     const HardEdges* hard_;
     const std::vector<bool>* computed_;
+    SplitReason unmarked_;
     const Index* file_vertices_ = nullptr;
     bool parts_apart_ = false, materials_apart_ = false, triangles_ = false;
     std::vector<Layer<glm::vec3>> normals_;
@@ -531,7 +536,7 @@ namespace detail {
 
 Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
                                   const VertexCorners* around, const SplitOptions& options,
-                                  const std::vector<bool>* computed) {
+                                  const std::vector<bool>* computed, SplitReason unmarked) {
     const std::size_t sources = mesh.vertex_count();
     if (mesh.corner_count() + sources >= no_index)
         return Error{ErrorCode::limit,
@@ -539,7 +544,7 @@ Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
                      mesh.name};
     std::optional<SourceCorners> corners(std::in_place, mesh.corner_vertices, sources, around,
                                          options.threads);
-    Attributes attributes(mesh, hard, computed, options);
+    Attributes attributes(mesh, hard, computed, unmarked, options);
     attributes.compare(*corners);
     const std::span<const std::uint8_t> differ = attributes.differ();
     corners->make_lists(differ);

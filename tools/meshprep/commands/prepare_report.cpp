@@ -81,8 +81,12 @@ void print_calls(const Json& requirements, const CommonOptions& common, Console&
         ++meshes[place->second];
     };
     for (const Json& mesh : requirements) {
-        for (const char* key : {"normals", "tangents", "uvs"})
-            if (!mesh[key]["needed"].get<bool>()) add(key, mesh[key]["why"]);
+        for (const char* key : {"normals", "tangents", "uvs"}) {
+            const Json& why = mesh[key]["why"];
+            const bool called = std::any_of(mesh["calls"].begin(), mesh["calls"].end(),
+                                            [&](const Json& call) { return call["why"] == why; });
+            if (!called) add(key, why);  // the rest is told with what calls for it
+        }
         for (const Json& call : mesh["calls"]) add(call["feature"], call["why"]);
     }
     constexpr std::size_t most = 40;

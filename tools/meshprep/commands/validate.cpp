@@ -9,6 +9,7 @@
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
 #include "meshprep/files/output_directories.h"
+#include "meshprep/files/sheet_names.h"
 #include "meshprep/options/values.h"
 #include "meshprep/output/file_records.h"
 #include "meshprep/output/findings_text.h"
@@ -42,40 +43,6 @@ struct ValidateCommand {
 using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
-
-// Letters, digits, dot, dash and underscore survive in file names; the rest becomes a dash.
-std::string file_word(const std::string& text) {
-    std::string word;
-    for (const char c : text) {
-        const bool good = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
-                          (c >= 'A' && c <= 'Z') || c == '.' || c == '_';
-        if (good)
-            word += c;
-        else if (!word.empty() && word.back() != '-')
-            word += '-';
-    }
-    while (!word.empty() && (word.back() == '-' || word.back() == '.')) word.pop_back();
-    return word;
-}
-
-// A name that a file can have with an ending: of longer ones the rest is a hash.
-std::string short_enough(const std::string& name) {
-    constexpr std::size_t most = 255 - 5;  // ".html"
-    if (name.size() <= most) return name;
-    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-    for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-    std::size_t kept = most - 17;
-    while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // UTF-8
-    return fmt::format("{}-{:016x}", name.substr(0, kept), hash);
-}
-
-// A mesh's name may be anything; its number keeps it apart, and is never cut.
-std::string sheet_stem(const std::string& stem, std::uint32_t number, const std::string& name) {
-    const std::string numbered = fmt::format("{}-{}", stem, number);
-    std::string word = file_word(name);
-    if (!word.empty()) word.insert(0, "-");
-    return short_enough((numbered + word).substr(0, std::max<std::size_t>(60, numbered.size())));
-}
 
 // What one file's sheets are of.
 struct Choice {
@@ -186,7 +153,7 @@ class Validator {
         progress("checking");
         prep::SceneCheck check = prep::check(*scene, {threads});
         // What the materials call for, before the sheet asks for tangents everywhere.
-        const std::vector<prep::MeshRequirements> called_for =
+        std::vector<prep::MeshRequirements> called_for =
             prep::requirements(*scene, command_.prepare.request);
         progress("preparing");
         prep::PrepareOptions options =
@@ -199,6 +166,9 @@ class Validator {
         if (is_displaced(options)) as_read = *scene;
         Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
         if (!prepared) return prepared.error();
+        for (std::size_t m = 0; m < called_for.size(); ++m)
+            if (prepared->requirements[m].tangents.why.code == prep::ReasonCode::residual_map)
+                called_for[m] = prepared->requirements[m];
         Result<Choice> choice = choose(prepared->scene, command_);
         if (!choice) return choice.error();
         if (choice->left_out > 0)
@@ -212,7 +182,7 @@ class Validator {
         std::optional<report::DisplacementViews> beside;
         if (as_read) {
             progress("preparing bump and normal maps beside it");
-            beside = report::make_displacement_views(*as_read, options, *prepared);
+            beside = report::make_displacement_views(*as_read, options, *prepared, command_.panel);
         }
         report::Page page;
         page.title = out_.input.filename().string();
@@ -447,21 +417,6 @@ class Validator {
     Outcome out_;
 };
 
-// A stem per input; inputs of one stem keep their endings apart. Empty for those whose sheets an
-// earlier one has already.
-std::vector<std::string> stems_of(const std::vector<std::filesystem::path>& inputs) {
-    std::vector<std::string> stems;
-    std::set<std::string> taken;
-    for (const std::filesystem::path& input : inputs) {
-        const std::filesystem::path named = is_standard_stream(input) ? "stdin" : input;
-        std::string stem = named.stem().string();
-        if (!taken.insert(stem).second) stem = named.filename().string();
-        if (stem != named.stem().string() && !taken.insert(stem).second) stem.clear();
-        stems.push_back(short_enough(stem));
-    }
-    return stems;
-}
-
 Json outcome_json(const Outcome& outcome) {
     Json file;
     file["input"] = outcome.input.string();
@@ -512,7 +467,7 @@ int run(const ValidateCommand& command, Console& console) {
             {ErrorCode::io, "a file of this name is in the way of the output directory",
              command.output.string()},
             exit_failed);
-    const std::vector<std::string> stems = stems_of(command.inputs);
+    const std::vector<std::string> stems = page_stems(command.inputs);
     std::vector<Job> jobs;
     for (std::size_t i = 0; i < command.inputs.size(); ++i)
         jobs.push_back({command.inputs[i], command.output / (stems[i] + ".html"), "html"});

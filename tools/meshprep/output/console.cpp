@@ -97,13 +97,6 @@ void Console::progress(const CommonOptions& common, const std::string& text) {
     progress_shown_ = !text.empty();
 }
 
-std::string count_of(std::uint64_t value, const std::string& singular, const std::string& plural) {
-    return with_commas(value) + " " +
-           (value == 1       ? singular
-            : plural.empty() ? singular + "s"
-                             : plural);
-}
-
 double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }

@@ -52,10 +52,8 @@ class Console {
     bool progress_shown_ = false;
 };
 
+using report::count_of;
 using report::with_commas;
-// "1 face", "2 faces": `plural` only where it is not an added s.
-std::string count_of(std::uint64_t value, const std::string& singular,
-                     const std::string& plural = {});
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start);
 // "0.4 ms", "12 ms", "3.4 s".

@@ -1,7 +1,5 @@
 #include "sheets/surfaces/cage_panels.h"
 
-#include <fmt/format.h>
-
 #include <array>
 
 #include "sheets/overlay.h"
@@ -80,23 +78,42 @@ std::vector<LegendItem> legend_of(const Counts& counts) {
     return legend;
 }
 
+Result<std::vector<CageLine>> polygon_edges(const prep::Mesh& cage) {
+    return cage_edges(cage);
+}
+
+std::string faces_and_edges(const prep::PreparedScene& scene, const Counts& counts) {
+    std::uint64_t faces = 0;
+    for (const prep::Mesh& cage : scene.cages) faces += cage.face_count();
+    return count_of(faces, "face") + ", " + count_of(counts[0] + counts[1] + counts[2], "edge");
+}
+
 }  // namespace
+
+Result<Panel> polygons_panel(const CagePanelInput& input) {
+    Overlay overlay(input.shot);
+    const auto counts = draw_lines(input, overlay, polygon_edges);
+    if (!counts) return counts.error();
+    Panel panel;
+    panel.id = "polygons";
+    panel.title = "Polygons";
+    panel.caption = faces_and_edges(input.scene, *counts) + " before they were moved";
+    panel.alt = "the edges of its polygons where they were before they were moved";
+    panel.legend = legend_of(*counts);
+    panel.picture = overlay.image();
+    return panel;
+}
 
 Result<Panel> cage_panel(const CagePanelInput& input) {
     Overlay overlay(input.shot);
-    const auto counts = draw_lines(input, overlay, [](const prep::Mesh& cage) {
-        return Result<std::vector<CageLine>>(cage_edges(cage));
-    });
+    const auto counts = draw_lines(input, overlay, polygon_edges);
     if (!counts) return counts.error();
-    std::uint64_t faces = 0;
-    for (const prep::Mesh& cage : input.scene.cages) faces += cage.face_count();
     const std::uint64_t extraordinary = draw_extraordinary(input, overlay);
     Panel panel;
     panel.id = "cage";
     panel.title = "Cage";
-    panel.caption = fmt::format(
-        "{} faces, {} edges around the surface; {} extraordinary vertices", with_commas(faces),
-        with_commas((*counts)[0] + (*counts)[1] + (*counts)[2]), with_commas(extraordinary));
+    panel.caption = faces_and_edges(input.scene, *counts) + " around the surface; " +
+                    count_of(extraordinary, "extraordinary vertex", "extraordinary vertices");
     panel.alt = "the cage's edges around its limit surface";
     panel.legend = legend_of(*counts);
     if (extraordinary > 0) panel.legend.push_back({extraordinary_color, "extraordinary"});
@@ -113,8 +130,8 @@ Result<Panel> limit_panel(const CagePanelInput& input) {
     Panel panel;
     panel.id = "limit-wireframe";
     panel.title = "Limit wireframe";
-    panel.caption = fmt::format("{} edges of the cage as curves on its limit surface",
-                                with_commas((*counts)[0] + (*counts)[1] + (*counts)[2]));
+    panel.caption = count_of((*counts)[0] + (*counts)[1] + (*counts)[2], "edge") +
+                    " of the cage as curves on its limit surface";
     panel.alt = "the cage's edges as curves on the limit surface";
     panel.legend = legend_of(*counts);
     panel.picture = overlay.image();

@@ -1,4 +1,5 @@
-// The pictures of a subdivided scene's cages: their edges around the limit surface, and on it.
+// The pictures of what a surface was made from: a cage's edges around the limit surface, and on it;
+// those of polygons that were displaced as they are.
 #pragma once
 
 #include <vector>
@@ -18,7 +19,8 @@ struct CagePanelInput {
     double scale = 1;                      // of lines
     int threads = 0;
 };
-// Errors: those of LimitSurface::make.
+// Errors: those of LimitSurface::make, of limit_panel().
+prep::Result<Panel> polygons_panel(const CagePanelInput& input);
 prep::Result<Panel> cage_panel(const CagePanelInput& input);
 prep::Result<Panel> limit_panel(const CagePanelInput& input);
 

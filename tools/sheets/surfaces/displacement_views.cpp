@@ -1,6 +1,7 @@
 #include "sheets/surfaces/displacement_views.h"
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "sheets/subject.h"
@@ -13,11 +14,12 @@ using prep::Result;
 
 constexpr std::uint32_t coarser = 32;  // times fewer triangles
 
-// Texels a side: all materials' maps together have about 1024².
-std::uint32_t residual_size(std::size_t materials) {
-    std::uint32_t size = 1024;
-    while (size > 64 && std::uint64_t(size) * size * materials > 1024 * 1024) size /= 2;
-    return size;
+// Texels a side: all materials' maps together have about as many as the picture has pixels.
+std::uint32_t residual_size(std::size_t materials, std::uint32_t pixels) {
+    const std::uint64_t side = std::bit_ceil(std::clamp(pixels, 64u, 1024u));
+    std::uint64_t size = side;
+    while (size > 64 && size * size * materials > side * side) size /= 2;
+    return static_cast<std::uint32_t>(size);
 }
 
 // The picture that displaces every face, in place of the materials' bump and normal maps.
@@ -95,7 +97,8 @@ std::uint64_t coarse_goal(const prep::PreparedScene& scene) {
 
 DisplacementViews make_displacement_views(const prep::Scene& scene,
                                           const prep::PrepareOptions& options,
-                                          const prep::PreparedScene& displaced) {
+                                          const prep::PreparedScene& displaced,
+                                          std::uint32_t pixels) {
     DisplacementViews out;
     if (tessellated_triangles(displaced) == 0) {
         out.no_bumped = out.no_coarse = "No mesh was displaced.";
@@ -120,7 +123,7 @@ DisplacementViews make_displacement_views(const prep::Scene& scene,
     }
     asked.displacement = displacement;
     asked.displacement.residual =
-        prep::ResidualMapOptions{residual_size(scene.materials.size()), 16};
+        prep::ResidualMapOptions{residual_size(scene.materials.size(), pixels), 16};
     prep::TessellateOptions& fineness = asked.tessellation;
     fineness.chord_error = fineness.edge_length = fineness.pixel_error = {};
     fineness.max_triangles = coarse_goal(displaced);

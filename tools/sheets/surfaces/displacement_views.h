@@ -19,11 +19,13 @@ struct DisplacementViews {
     std::string no_coarse;
 };
 
-// Of the scene that `displaced` was prepared from with these options, which displace. What cannot
-// be prepared is not there, and says why.
+// Of the scene that `displaced` was prepared from with these options, which displace, for pictures
+// of `pixels` by `pixels`: residual maps have no more texels than these show. What cannot be
+// prepared is not there, and says why.
 DisplacementViews make_displacement_views(const prep::Scene& scene,
                                           const prep::PrepareOptions& options,
-                                          const prep::PreparedScene& displaced);
+                                          const prep::PreparedScene& displaced,
+                                          std::uint32_t pixels);
 
 // Each with one of its meshes, as mesh_subject() has it.
 DisplacementViews views_of_mesh(const DisplacementViews& views, std::uint32_t mesh);

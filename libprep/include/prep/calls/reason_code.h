@@ -15,6 +15,7 @@ enum class ReasonCode : std::uint8_t {
     request_off,
     request_on,
     request_on_without_uvs,
+    residual_map,
     default_material_lit,
     material_lit,
     all_unlit,

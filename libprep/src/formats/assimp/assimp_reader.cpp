@@ -12,6 +12,7 @@
 #include <memory>
 #include <string_view>
 
+#include "formats/assimp/amf_text.h"
 #include "formats/assimp/import.h"
 #include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/reader_limits.h"
@@ -120,9 +121,21 @@ void look_at_text(const std::filesystem::path& path, const std::optional<std::st
     if (ending == ".3mf")
         scene.remarks.emplace_back(
             "Assimp reads no colours of triangles, no transparency and no unit of 3MF files");
-    if (ending != ".x3d" && ending != ".amf" && ending != ".dae") return;
+    if (ending == ".amf")
+        scene.remarks.emplace_back(
+            "Assimp reads no unit of AMF files, and of their materials the colours, as those of "
+            "vertices");
+    if (ending != ".x3d" && ending != ".amf" && ending != ".dae" && ending != ".dxf") return;
     std::vector<std::byte> bytes;
     const auto text = text_of(path, converted, bytes);
+    if (text && ending == ".dxf") {
+        if (const std::uint64_t inserts = misplaced_dxf_inserts(*text); inserts > 0)
+            scene.warnings.push_back(
+                "Assimp turns no references to blocks (INSERT), and scales their places with "
+                "them: " +
+                std::to_string(inserts) + (inserts == 1 ? " is" : " are") + " misplaced");
+        return;
+    }
     // No error: Assimp has read it a moment ago. Large files without a word of it are not copied.
     if (!text || (ending == ".dae" && !has_element(*text, "morph"))) return;
     const std::string xml = without_comments(*text);
@@ -156,9 +169,17 @@ bool assimp_knows(const std::string& extension) {
 }
 
 Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
-    const std::optional<std::string> converted = text_of_utf16_file(path);
+    std::optional<std::string> converted = text_of_utf16_file(path);
+    const bool is_utf16 = converted.has_value();
     if (auto checked = check_md5_numbers(path, converted); !checked)
         return std::move(checked).error();
+    const bool is_amf = lower_case(path.extension().string()) == ".amf";
+    if (is_amf) {
+        std::vector<std::byte> bytes;
+        const auto text = text_of(path, converted, bytes);
+        if (!text) return text.error();
+        if (auto joined = with_one_volume_a_mesh(*text)) converted = std::move(joined);
+    }
     std::optional<PackageReview> package;
     if (lower_case(path.extension().string()) == ".3mf") {
         auto review = review_package(path);
@@ -193,6 +214,7 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
         auto read = read_scene(*own, path, options, package ? &package->parts : nullptr);
         if (read) look_at_text(path, converted, *read);
+        if (read && is_amf) settle_amf_colors(*read);
         if (read && package)
             std::move(package->warnings.begin(), package->warnings.end(),
                       std::back_inserter(read->warnings));
@@ -201,7 +223,7 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
             return std::filesystem::equivalent(file, path, ec);
         });
         if (read) read->libraries = std::move(others);
-        if (read && converted)
+        if (read && is_utf16)
             read->warnings.insert(read->warnings.begin(),
                                   "the file is in UTF-16, which its reader "
                                   "does not know: read as UTF-8");

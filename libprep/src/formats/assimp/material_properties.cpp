@@ -112,6 +112,16 @@ std::optional<glm::vec3> MaterialProperties::color(const char* key, unsigned typ
     return glm::vec3(c.r, c.g, c.b);
 }
 
+std::optional<float> MaterialProperties::alpha(const char* key, unsigned type,
+                                               unsigned index) const {
+    float values[4];
+    unsigned count = 4;
+    if (!find(key, type, index) || material_.Get(key, type, index, values, &count) != AI_SUCCESS ||
+        count < 4 || !std::isfinite(values[3]))
+        return std::nullopt;
+    return values[3];
+}
+
 std::optional<int> MaterialProperties::integer(const char* key, unsigned type,
                                                unsigned index) const {
     int value = 0;

@@ -21,6 +21,8 @@ class MaterialProperties {
     // Assimp's AI_MATKEY_ macros.
     std::optional<float> number(const char* key, unsigned type = 0, unsigned index = 0) const;
     std::optional<glm::vec3> color(const char* key, unsigned type = 0, unsigned index = 0) const;
+    // The fourth number of a colour.
+    std::optional<float> alpha(const char* key, unsigned type = 0, unsigned index = 0) const;
     std::optional<int> integer(const char* key, unsigned type = 0, unsigned index = 0) const;
     std::optional<std::string> text(const char* key, unsigned type = 0, unsigned index = 0) const;
     std::optional<aiUVTransform> uv_transform(const char* key, unsigned type, unsigned index) const;

@@ -14,6 +14,7 @@
 #include "formats/assimp/material_properties.h"
 #include "formats/picture_search.h"
 #include "image/packed_refs.h"
+#include "text/lower_case.h"
 #include "text/name_list.h"
 
 namespace prep::detail {
@@ -126,7 +127,8 @@ class MaterialReader {
         : import_(import),
           from_(import.from),
           pictures_(import.path.parent_path(), options.texture_directories),
-          scene_(import.scene) {}
+          scene_(import.scene),
+          has_colors_with_alpha_(lower_case(import.path.extension().string()) == ".x") {}
 
     void run() {
         for (unsigned m = 0; m < from_.mNumMaterials; ++m) material(*from_.mMaterials[m]);
@@ -165,8 +167,12 @@ class MaterialReader {
             out.diffuse = glm::vec4(1, 1, 1, out.diffuse.a);
         out.emissive = in.color(AI_MATKEY_COLOR_EMISSIVE).value_or(glm::vec3(0.0f));
         highlight(in, out);
-        if (const auto opacity = in.number(AI_MATKEY_OPACITY)) {
-            out.diffuse.a = unit(*opacity);
+        auto opacity_number = in.number(AI_MATKEY_OPACITY);
+        // That of DirectX' face colours, for which Assimp has no word of its own.
+        if (!opacity_number && has_colors_with_alpha_)
+            opacity_number = in.alpha(AI_MATKEY_COLOR_DIFFUSE);
+        if (opacity_number) {
+            out.diffuse.a = unit(*opacity_number);
             if (out.diffuse.a < 1) out.alpha_mode = AlphaMode::blend;
         }
         out.double_sided = in.integer(AI_MATKEY_TWOSIDED).value_or(0) != 0;
@@ -459,6 +465,7 @@ class MaterialReader {
     const aiScene& from_;
     PictureSearch pictures_;
     Scene& scene_;
+    bool has_colors_with_alpha_;
     std::map<std::string, Index> images_;
     std::map<PackedKey, Index> packed_;
     NameList raw_texels_, not_in_package_;

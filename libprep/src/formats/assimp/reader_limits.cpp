@@ -1,6 +1,7 @@
 #include "formats/assimp/reader_limits.h"
 
 #include <algorithm>
+#include <charconv>
 
 namespace prep::detail {
 namespace {
@@ -49,6 +50,35 @@ bool has_element(std::string_view xml, std::string_view name) {
     return false;
 }
 
+std::uint64_t misplaced_dxf_inserts(std::string_view text) {
+    std::uint64_t count = 0;
+    bool in_insert = false, misplaced = false;
+    const auto line = [&] {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        std::string_view out = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        out.remove_prefix(std::min(out.find_first_not_of(blanks), out.size()));
+        return out.substr(0, out.find_last_not_of(blanks) + 1);
+    };
+    // A group is two lines: its code, and its value.
+    while (!text.empty()) {
+        const std::string_view code = line(), value = line();
+        if (code == "0") {
+            count += in_insert && misplaced;
+            in_insert = value == "INSERT";
+            misplaced = false;
+            continue;
+        }
+        double number = 0;
+        if (!in_insert ||
+            std::from_chars(value.data(), value.data() + value.size(), number).ec != std::errc())
+            continue;
+        const bool scale = code == "41" || code == "42" || code == "43";
+        misplaced |= (scale && number != 1) || (code == "50" && number != 0);
+    }
+    return count + (in_insert && misplaced);
+}
+
 std::vector<std::string> misread_statements(std::string_view ending, std::string_view xml) {
     // Each was seen with a file that has it and little else.
     std::vector<std::string> out;
@@ -62,9 +92,13 @@ std::vector<std::string> misread_statements(std::string_view ending, std::string
                 "Assimp gives colours of faces, or by colorIndex, to other corners than the file");
         if (has_element(xml, "LOD")) out.emplace_back("Assimp leaves out what LOD holds");
     }
-    if (ending == ".amf" &&
-        (has_element(xml, "rx") || has_element(xml, "ry") || has_element(xml, "rz")))
-        out.emplace_back("Assimp reads rotations of instances as translations");
+    if (ending == ".amf") {
+        if (has_element(xml, "rx") || has_element(xml, "ry") || has_element(xml, "rz"))
+            out.emplace_back("Assimp reads rotations of instances as translations");
+        if (has_element(xml, "normal")) out.emplace_back("Assimp reads no normals of AMF files");
+        if (has_element(xml, "edge"))
+            out.emplace_back("Assimp reads the curved edges of AMF files as straight ones");
+    }
     return out;
 }
 

@@ -89,8 +89,8 @@ class Builder {
         if (std::filesystem::is_regular_file(full, ec)) return full;
         const bool directory = std::filesystem::is_directory(full, ec);
         return error(file.pointer,
-                     directory ? "'" + full.string() + "' is a directory, expected a file"
-                               : "there is no file '" + full.string() +
+                     directory ? "'" + file.text + "' is a directory, expected a file"
+                               : "there is no file '" + file.text +
                                      "'; paths are relative to the scene file",
                      ErrorCode::io);
     }

@@ -46,6 +46,7 @@ bool XmlTags::next() {
         } else if (rest.starts_with("<!")) {
             if (!skip_past(">")) return false;
         } else {
+            begin_ = at_;
             is_end_ = rest.starts_with("</");
             const std::size_t begin = at_ + (is_end_ ? 2 : 1);
             std::size_t end = begin;

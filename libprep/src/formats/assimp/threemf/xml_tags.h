@@ -23,6 +23,9 @@ class XmlTags {
     std::string_view name() const { return name_; }  // with its prefix
     bool is_end() const { return is_end_; }          // </name>
     bool is_empty() const { return is_empty_; }      // <name/>
+    // Of the text: the tag's "<", and what is behind its ">".
+    std::size_t begin() const { return begin_; }
+    std::size_t end() const { return at_; }
 
     // Of this tag, in its order, names with their prefixes; references in values are resolved.
     std::vector<std::pair<std::string, std::string>> attributes() const;
@@ -33,7 +36,7 @@ class XmlTags {
 
     std::string_view xml_;
     std::string_view name_, inside_;  // inside_: between the name and the tag's end
-    std::size_t at_ = 0;
+    std::size_t begin_ = 0, at_ = 0;
     bool is_end_ = false, is_empty_ = false;
 };
 
