@@ -10,8 +10,8 @@ set(tests_together
     "prep face_normals hard_edges vertex_normals gltf_compression"
     "prep assimp authored_tangents check_values compressed_files exact_cases formats gltf_bounds
      image_files load mesh_cases number_text picture_search"
-    "prep assimp_formats assimp_keys assimp_lost assimp_split assimp_texts limit_surface_oracle one_definition
-     scene_json_values subdivide_face_varying"
+    "prep assimp_formats assimp_keys assimp_lost assimp_scenes assimp_split assimp_texts
+     limit_surface_oracle one_definition scene_json_values subdivide_face_varying"
     "prep gltf_corpus image_values invariance ply_records render_choices requirements result samples
      simd stability tangent_conventions tangents_fallback"
     "prep gltf_lost gltf_requantize prepare_reports repair_page repair_values save

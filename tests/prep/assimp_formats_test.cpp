@@ -9,7 +9,7 @@
 #include <cmath>
 #include <memory>
 
-#include "formats/assimp/reader_limits.h"
+#include "formats/assimp/texts/x3d_text.h"
 #include "mesh_files.h"
 #include "prep/load.h"
 #include "prep/version.h"
@@ -197,16 +197,15 @@ bool any_says(const std::vector<std::string>& texts, const std::string& text) {
 }
 
 TEST(AssimpFormats, WhatItMisreadsIsTold) {
-    using prep::detail::misread_statements;
-    EXPECT_TRUE(misread_statements(".x3d", "<X3D><IndexedFaceSet ccw=\"true\"/></X3D>").empty());
-    EXPECT_TRUE(misread_statements(".dae", "<IndexedLineSet/><LOD/><rz>").empty());
+    using prep::detail::misread_of_x3d;
+    EXPECT_TRUE(misread_of_x3d("<X3D><IndexedFaceSet ccw=\"true\"/></X3D>").empty());
     for (const char* text : {"<IndexedLineSet >", "<S ccw = 'false'/>",
                              "<S\ncolorPerVertex=\"false\">", "<S colorIndex='0 1 -1'>", "<LOD>"})
-        EXPECT_EQ(misread_statements(".x3d", text).size(), 1u) << text;
+        EXPECT_EQ(misread_of_x3d(text).size(), 1u) << text;
     for (const char* text : {"<IndexedLineSets>", "<S xccw='false'/>", "<S ccw='falsely'/>",
                              "ccw false", "<S ccw=", "<LO D>"})
-        EXPECT_TRUE(misread_statements(".x3d", text).empty()) << text;
-    EXPECT_EQ(prep::detail::without_comments("a<!-- <LOD> -->b<!----><!-- c"), "ab");
+        EXPECT_TRUE(misread_of_x3d(text).empty()) << text;
+    EXPECT_TRUE(misread_of_x3d("a<!-- <LOD> -->b<!----><!-- <LOD> c").empty());
     const test::TempDir dir;
     test::write_text(
         dir / "a.amf",

@@ -6,9 +6,9 @@
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/key_tracks.h"
-#include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/pivot_motion.h"
-#include "formats/assimp/utf16.h"
+#include "formats/assimp/texts/md5_numbers.h"
+#include "formats/assimp/texts/utf16.h"
 #include "mesh_files.h"
 #include "model/trs.h"
 #include "prep/load.h"

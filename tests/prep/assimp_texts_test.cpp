@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "formats/assimp/amf_text.h"
-#include "formats/assimp/reader_limits.h"
+#include "formats/assimp/texts/amf_text.h"
+#include "formats/assimp/texts/dxf_text.h"
 #include "prep/load.h"
 #include "temporary_files.h"
 
@@ -133,17 +133,19 @@ TEST(AssimpTexts, AlphaOfDirectXMaterialsIsOpacity) {
 }
 
 TEST(AssimpTexts, BlocksOfDxfThatAreMisplacedAreCounted) {
-    using prep::detail::misplaced_dxf_inserts;
     const auto insert = [](const std::string& groups) {
         return "  0\r\nINSERT\r\n  2\r\nTRI\r\n 10\r\n5.0\r\n" + groups;
     };
-    EXPECT_EQ(misplaced_dxf_inserts(insert("")), 0u);
-    EXPECT_EQ(misplaced_dxf_inserts(insert(" 41\r\n1.0\r\n 50\r\n0.0\r\n")), 0u);
-    EXPECT_EQ(misplaced_dxf_inserts(insert(" 50\r\n90.0\r\n")), 1u);
-    EXPECT_EQ(misplaced_dxf_inserts(insert("43\n2\n") + insert("42\n-1\n") + insert("")), 2u);
-    EXPECT_EQ(misplaced_dxf_inserts("0\nTEXT\n50\n90\n"), 0u);
-    EXPECT_EQ(misplaced_dxf_inserts("50"), 0u);
-    EXPECT_EQ(misplaced_dxf_inserts(""), 0u);
+    const auto misplaced = [](const std::string& inserts) -> std::string {
+        const auto said = prep::detail::misread_of_dxf("0\nSECTION\n2\nENTITIES\n" + inserts);
+        return said.empty() ? "" : said[0].substr(said[0].find(": ") + 2);
+    };
+    EXPECT_EQ(misplaced(insert("")), "");
+    EXPECT_EQ(misplaced(insert(" 41\r\n1.0\r\n 50\r\n0.0\r\n")), "");
+    EXPECT_EQ(misplaced(insert(" 50\r\n90.0\r\n")), "1 is misplaced");
+    EXPECT_EQ(misplaced(insert("43\n2\n") + insert("42\n-1\n") + insert("")), "2 are misplaced");
+    EXPECT_EQ(misplaced("0\nLINE\n50\n90\n"), "");
+    EXPECT_EQ(misplaced("50"), "");
     const test::TempDir dir;
     test::write_text(dir / "a.dxf",
                      "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nTRI\n10\n0.0\n20\n0.0\n30\n0.0\n"

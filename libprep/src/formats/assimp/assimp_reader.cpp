@@ -1,4 +1,3 @@
-#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <strings.h>
@@ -12,15 +11,19 @@
 #include <memory>
 #include <string_view>
 
-#include "formats/assimp/amf_text.h"
 #include "formats/assimp/import.h"
-#include "formats/assimp/md5_numbers.h"
-#include "formats/assimp/reader_limits.h"
+#include "formats/assimp/model_files.h"
+#include "formats/assimp/texts/amf_text.h"
+#include "formats/assimp/texts/dxf_text.h"
+#include "formats/assimp/texts/md5_numbers.h"
+#include "formats/assimp/texts/utf16.h"
+#include "formats/assimp/texts/x3d_text.h"
+#include "formats/assimp/texts/xml_tags.h"
 #include "formats/assimp/threemf/model_review.h"
-#include "formats/assimp/utf16.h"
 #include "formats/reader_backend.h"
 #include "prep/files.h"
 #include "text/lower_case.h"
+#include "text/name_list.h"
 
 namespace prep::detail {
 namespace {
@@ -37,7 +40,9 @@ Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
     if (auto done = import_nodes(import); !done) return std::move(done).error();
     // X3D's root has the name by which the file was opened.
     std::vector<Node>& nodes = import.scene.nodes;
-    if (!nodes.empty() && nodes[0].name == path.string()) nodes[0].name = import.scene.name;
+    if (std::error_code ec;
+        !nodes.empty() && nodes[0].name == std::filesystem::absolute(path, ec).string())
+        nodes[0].name = import.scene.name;
     import_units(import);
     import_skins(import);
     share_vertices_of_corners(import);
@@ -46,22 +51,6 @@ Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
     count_what_is_not_kept(import);
     return std::move(import.scene);
 }
-
-// Notes which files are read: beside the model its skeleton, motions, materials.
-class NotingFiles : public Assimp::DefaultIOSystem {
-  public:
-    explicit NotingFiles(std::vector<std::filesystem::path>& read) : read_(read) {}
-
-    Assimp::IOStream* Open(const char* name, const char* mode) override {
-        Assimp::IOStream* const file = DefaultIOSystem::Open(name, mode);
-        if (file && std::find(read_.begin(), read_.end(), name) == read_.end())
-            read_.emplace_back(name);
-        return file;
-    }
-
-  private:
-    std::vector<std::filesystem::path>& read_;
-};
 
 std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path) {
     std::array<std::byte, 2> head{};
@@ -114,7 +103,38 @@ void drop_addresses(std::string_view text, Scene& scene) {
     for (Light& light : scene.lights) drop(light.name);
 }
 
-// What the file's own text says beside what Assimp has read: into warnings and remarks.
+// What Assimp is given in place of the file's text, where it would misread that.
+std::optional<std::string> text_for_assimp(std::string_view ending, std::string_view text) {
+    if (ending == ".amf") return with_one_volume_a_mesh(text);
+    if (ending == ".dxf") return with_positive_corners(text);
+    if (ending == ".x3d") return with_plain_urls(text);
+    return std::nullopt;
+}
+
+// Assimp knows no shininess of X3D, which goes to 1 (ISO/IEC 19775-1, 17.2.2.4: 128 of an
+// exponent), and no side of a surface: a material is two-sided where one of its file's is.
+void settle_x3d_materials(std::string_view xml, Scene& scene) {
+    const bool open = has_open_surfaces(xml);
+    for (Material& m : scene.materials) {
+        if (m.shininess <= 1) m.shininess *= 128;
+        m.double_sided |= open;
+    }
+}
+
+// Materials that no file has: colours of vertices are not to be tinted by them.
+void whiten_invented_materials(Scene& scene) {
+    const bool colored = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& m) {
+        return !m.colors.empty() || !m.vertex_colors.empty();
+    });
+    for (Material& m : scene.materials)
+        if (colored && m.name == AI_DEFAULT_MATERIAL_NAME) {
+            m = Material{};
+            m.name = AI_DEFAULT_MATERIAL_NAME;
+            m.diffuse = glm::vec4(1.0f);
+        }
+}
+
+// What the file's own text says beside what Assimp has read.
 void look_at_text(const std::filesystem::path& path, const std::optional<std::string>& converted,
                   Scene& scene) {
     const std::string ending = lower_case(path.extension().string());
@@ -128,30 +148,44 @@ void look_at_text(const std::filesystem::path& path, const std::optional<std::st
     if (ending != ".x3d" && ending != ".amf" && ending != ".dae" && ending != ".dxf") return;
     std::vector<std::byte> bytes;
     const auto text = text_of(path, converted, bytes);
-    if (text && ending == ".dxf") {
-        if (const std::uint64_t inserts = misplaced_dxf_inserts(*text); inserts > 0)
-            scene.warnings.push_back(
-                "Assimp turns no references to blocks (INSERT), and scales their places with "
-                "them: " +
-                std::to_string(inserts) + (inserts == 1 ? " is" : " are") + " misplaced");
-        return;
-    }
-    // No error: Assimp has read it a moment ago. Large files without a word of it are not copied.
-    if (!text || (ending == ".dae" && !has_element(*text, "morph"))) return;
-    const std::string xml = without_comments(*text);
-    for (std::string& sentence : misread_statements(ending, xml))
-        scene.warnings.push_back(std::move(sentence));
-    if (ending == ".dae" && has_element(xml, "morph") &&
-        std::all_of(scene.meshes.begin(), scene.meshes.end(),
-                    [](const Mesh& mesh) { return mesh.morph_targets.empty(); }))
-        scene.warnings.emplace_back(
+    if (!text) return;  // no error: Assimp has read it a moment ago
+    std::vector<std::string> sentences;
+    if (ending == ".amf") {
+        sentences = misread_of_amf(*text);
+        settle_amf_colors(scene);
+    } else if (ending == ".dxf") {
+        sentences = misread_of_dxf(*text);
+        settle_dxf_colors(scene);
+    } else if (ending == ".x3d") {
+        sentences = misread_of_x3d(*text);
+        drop_addresses(*text, scene);
+        settle_x3d_materials(*text, scene);
+    } else if (text->find("<morph") != std::string_view::npos && has_element(*text, "morph") &&
+               std::all_of(scene.meshes.begin(), scene.meshes.end(),
+                           [](const Mesh& mesh) { return mesh.morph_targets.empty(); })) {
+        sentences.emplace_back(
             "Assimp reads nothing of morph controllers: their meshes are missing");
-    if (ending == ".x3d") drop_addresses(xml, scene);
+    }
+    if (ending == ".amf" || ending == ".dxf") whiten_invented_materials(scene);
+    std::move(sentences.begin(), sentences.end(), std::back_inserter(scene.warnings));
 }
 
-std::unique_ptr<Assimp::Importer> make_importer(std::vector<std::filesystem::path>& read) {
+void take_files(const ModelFiles& files, Scene& scene) {
+    scene.libraries = files.read();
+    const auto tell = [&](const std::vector<std::string>& missing, const char* what) {
+        NameList names;
+        for (const std::string& name : missing) names.add(name);
+        if (names.empty()) return;
+        scene.library_missing = true;
+        scene.warnings.push_back(what + names.text());
+    };
+    tell(files.missing(), "files that the model names are not there: ");
+    tell(files.missing_scripts(), "the model's material script is not there: none of ");
+}
+
+std::unique_ptr<Assimp::Importer> make_importer(ModelFiles& files) {
     auto importer = std::make_unique<Assimp::Importer>();
-    importer->SetIOHandler(new NotingFiles(read));  // it deletes it
+    importer->SetIOHandler(files.make_handler());
     // Pivots come as nodes of their own, which are resolved here: without them, Assimp animates
     // nodes that it does not make. No meshes of bones where the file has none.
     importer->SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
@@ -173,56 +207,54 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
     const bool is_utf16 = converted.has_value();
     if (auto checked = check_md5_numbers(path, converted); !checked)
         return std::move(checked).error();
-    const bool is_amf = lower_case(path.extension().string()) == ".amf";
-    if (is_amf) {
+    const std::string ending = lower_case(path.extension().string());
+    if (ending == ".amf" || ending == ".dxf" || ending == ".x3d") {
         std::vector<std::byte> bytes;
         const auto text = text_of(path, converted, bytes);
         if (!text) return text.error();
-        if (auto joined = with_one_volume_a_mesh(*text)) converted = std::move(joined);
+        if (auto other = text_for_assimp(ending, *text)) converted = std::move(other);
     }
     std::optional<PackageReview> package;
-    if (lower_case(path.extension().string()) == ".3mf") {
+    if (ending == ".3mf") {
         auto review = review_package(path);
         if (!review) return std::move(review).error();
         package = *std::move(review);
     }
     try {
-        std::vector<std::filesystem::path> others;
-        std::unique_ptr<Assimp::Importer> importer = make_importer(others);
+        ModelFiles files(path);
+        std::unique_ptr<Assimp::Importer> importer = make_importer(files);
         // Only what keeps the file as it is: no joining, no triangulation, no generated normals,
         // no limit to the number of weights. Where a material says that its pictures lie around the
         // mesh like a sphere, a cylinder or a plane, UVs say so.
         constexpr unsigned validated = aiProcess_ValidateDataStructure,
                            steps = aiProcess_GenUVCoords;
-        const std::string ending = path.extension().string();
         const auto read_by = [&](unsigned how) {
             return converted ? importer->ReadFileFromMemory(converted->data(), converted->size(),
                                                             how, ending.c_str() + !ending.empty())
-                             : importer->ReadFile(path.string(), how);
+                             : importer->ReadFile(files.model().string(), how);
         };
         const aiScene* scene = read_by(validated | steps);
         // Motion alone (BVH) is no error, but for Assimp's validation. Its reader of BVH goes on
         // where it ended, so that another has to begin.
         if (!scene && std::string_view(importer->GetErrorString()).find("mNumMeshes is 0") !=
                           std::string_view::npos) {
-            importer = make_importer(others);
+            importer = make_importer(files);
             scene = read_by(steps);
         }
         if (!scene || !scene->mRootNode)
-            return Error{ErrorCode::syntax, std::string("Assimp: ") + importer->GetErrorString(),
+            return Error{ErrorCode::syntax,
+                         std::string("Assimp: ") + importer->GetErrorString() +
+                             (ending == ".blend" ? "; what newer versions of Blender save is not "
+                                                   "read: export glTF from it"
+                                                 : ""),
                          path.string()};
         const std::unique_ptr<aiScene> own(importer->GetOrphanedScene());
         auto read = read_scene(*own, path, options, package ? &package->parts : nullptr);
         if (read) look_at_text(path, converted, *read);
-        if (read && is_amf) settle_amf_colors(*read);
         if (read && package)
             std::move(package->warnings.begin(), package->warnings.end(),
                       std::back_inserter(read->warnings));
-        std::error_code ec;
-        std::erase_if(others, [&](const std::filesystem::path& file) {
-            return std::filesystem::equivalent(file, path, ec);
-        });
-        if (read) read->libraries = std::move(others);
+        if (read) take_files(files, *read);
         if (read && is_utf16)
             read->warnings.insert(read->warnings.begin(),
                                   "the file is in UTF-16, which its reader "

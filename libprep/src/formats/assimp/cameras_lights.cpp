@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "formats/assimp/import.h"
 
@@ -50,6 +52,14 @@ class CameraAndLightImport {
     explicit CameraAndLightImport(AssimpImport& import) : import_(import), scene_(import.scene) {}
 
     void run() {
+        import_all();
+        // As glTF: that of the first node that has one.
+        for (Index n = 0; n < scene_.nodes.size() && scene_.active_camera == no_index; ++n)
+            if (scene_.nodes[n].camera != no_index) scene_.active_camera = n;
+    }
+
+  private:
+    void import_all() {
         for (unsigned c = 0; c < import_.from.mNumCameras; ++c) camera(*import_.from.mCameras[c]);
         for (unsigned l = 0; l < import_.from.mNumLights; ++l) light(*import_.from.mLights[l]);
         import_.warn(no_kind_, "light", "lights",
@@ -62,7 +72,6 @@ class CameraAndLightImport {
                      "without a node of its name: at the origin");
     }
 
-  private:
     // The node itself, or one below it that looks where the camera or light does.
     template <Index Node::*slot>
     void attach(const aiString& name, const glm::dmat4& frame, Index what) {
@@ -95,7 +104,7 @@ class CameraAndLightImport {
             scene_.warnings.push_back("Assimp does not read the angle of the camera '" + out.name +
                                       "': it gets the usual one");
         } else {
-            const double half = std::tan(double(in.mHorizontalFOV) / 2);
+            const double half = std::tan(horizontal_angle(in) / 2);
             const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
             if (half > 0) out.yfov = 2 * std::atan(half / aspect);
             if (in.mClipPlaneNear > 0 && std::isfinite(in.mClipPlaneNear))
@@ -106,9 +115,34 @@ class CameraAndLightImport {
         out.ymag *= import_.scene.placement.file_unit;
         out.znear *= import_.scene.placement.file_unit;
         out.zfar *= import_.scene.placement.file_unit;
-        const glm::dmat4 frame = frame_of(vector(in.mPosition), vector(in.mLookAt), vector(in.mUp));
+        const glm::dvec3 ahead = vector(in.mLookAt);
+        const glm::dmat4 frame =
+            frame_of(vector(in.mPosition), looks_back() ? -ahead : ahead, vector(in.mUp));
         attach<&Node::camera>(in.mName, frame, Index(scene_.cameras.size()));
         scene_.cameras.push_back(std::move(out));
+    }
+
+    // Of these files' cameras Assimp says +Z, its usual axis; they look along −Z of their node.
+    bool looks_back() const {
+        return import_.is_by("ASE Importer") || import_.is_by("LightWave Scene");
+    }
+
+    // 3DS has a lens of so many millimetres, which Assimp takes for degrees (lib3ds: 2400 / lens).
+    double horizontal_angle(const aiCamera& in) const {
+        const double said = double(in.mHorizontalFOV);
+        if (!import_.is_by("3DS") || !(said > 0)) return said;
+        const double lens = glm::degrees(said);
+        return glm::radians(std::min(2400 / lens, 170.0));
+    }
+
+    // Half the angles from rim to rim.
+    std::pair<float, float> cones(const aiLight& in) const {
+        const float inner = in.mAngleInnerCone, outer = in.mAngleOuterCone;
+        // ISO/IEC 19775-1, 17.4.3: from the axis.
+        if (import_.is_by("Extensible 3D")) return {inner, outer};
+        // Assimp has added the inner to the outer one.
+        if (import_.is_by("3DS")) return {inner / 2, (outer - inner) / 2};
+        return {inner / 2, outer / 2};
     }
 
     void light(const aiLight& in) {
@@ -138,8 +172,7 @@ class CameraAndLightImport {
         if (out.kind == LightKind::point || out.kind == LightKind::spot)
             other_falloff_ += has_other_falloff(in);
         if (out.kind == LightKind::spot) {
-            out.inner_cone = in.mAngleInnerCone / 2;
-            out.outer_cone = in.mAngleOuterCone / 2;
+            std::tie(out.inner_cone, out.outer_cone) = cones(in);
             // A quarter turn is the widest that there is, and the inner cone lies within.
             const float widest = float(std::numbers::pi / 2);
             if (!(out.outer_cone > 0 && out.outer_cone <= widest)) out.outer_cone = widest;

@@ -60,6 +60,14 @@ void import_units(AssimpImport& import) {
         scene.nodes[0].transform = turn * scene.nodes[0].transform;
         return;
     }
+    // As Collada: in the root node's transform already.
+    if (import.is_by("Industry Foundation Classes")) {
+        const double unit = glm::length(glm::dvec3(scene.nodes[0].transform[0]));
+        if (!(unit > 0) || !std::isfinite(unit)) return;
+        placement.file_unit = unit;
+        placement.file_unit_source = "IFC unit, z up";
+        return;
+    }
     // Their readers have turned the root.
     static constexpr std::pair<std::string_view, const char*> with_z_up[] = {
         {"3DS", "3DS"},

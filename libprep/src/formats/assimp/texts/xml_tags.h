@@ -40,6 +40,9 @@ class XmlTags {
     bool is_end_ = false, is_empty_ = false;
 };
 
+// Whether an element of that name is in the text.
+bool has_element(std::string_view xml, std::string_view name);
+
 // "a" of "p:a" and of "a".
 inline std::string_view local_name(std::string_view name) {
     return name.substr(name.rfind(':') + 1);

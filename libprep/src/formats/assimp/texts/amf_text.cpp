@@ -1,11 +1,11 @@
-#include "formats/assimp/amf_text.h"
+#include "formats/assimp/texts/amf_text.h"
 
 #include <algorithm>
 #include <map>
 #include <vector>
 
 #include "base/srgb.h"
-#include "formats/assimp/threemf/xml_tags.h"
+#include "formats/assimp/texts/xml_tags.h"
 
 namespace prep::detail {
 namespace {
@@ -164,6 +164,22 @@ std::optional<std::string> with_one_volume_a_mesh(std::string_view xml) {
         at = edit.old.end;
     }
     return out += xml.substr(at);
+}
+
+std::vector<std::string> misread_of_amf(std::string_view xml) {
+    bool rotations = false, normals = false, curves = false;
+    XmlTags tags(xml);
+    while (tags.next()) {
+        const std::string_view name = tags.name();
+        rotations |= name == "rx" || name == "ry" || name == "rz";
+        normals |= name == "normal";
+        curves |= name == "edge";
+    }
+    std::vector<std::string> out;
+    if (rotations) out.emplace_back("Assimp reads rotations of instances as translations");
+    if (normals) out.emplace_back("Assimp reads no normals of AMF files");
+    if (curves) out.emplace_back("Assimp reads the curved edges of AMF files as straight ones");
+    return out;
 }
 
 void settle_amf_colors(Scene& scene) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "prep/scene.h"
 
@@ -14,6 +15,9 @@ namespace prep::detail {
 // volume's material, where neither it nor the mesh's vertices have one. Nothing: the text as it is,
 // or what is no XML.
 std::optional<std::string> with_one_volume_a_mesh(std::string_view xml);
+
+// A sentence for each statement that the reader passes over or misunderstands.
+std::vector<std::string> misread_of_amf(std::string_view xml);
 
 // Assimp gives every mesh colours, transparent black where the file says none: such sets go, and
 // single ones become white. The others are decoded: AMF's are in sRGB.

@@ -1,4 +1,4 @@
-#include "formats/assimp/md5_numbers.h"
+#include "formats/assimp/texts/md5_numbers.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "formats/assimp/utf16.h"
+#include "formats/assimp/texts/utf16.h"
 
 #include <cstdint>
 

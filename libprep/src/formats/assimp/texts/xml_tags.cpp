@@ -1,4 +1,4 @@
-#include "formats/assimp/threemf/xml_tags.h"
+#include "formats/assimp/texts/xml_tags.h"
 
 #include <algorithm>
 #include <array>
@@ -93,6 +93,13 @@ std::optional<std::string> XmlTags::attribute(std::string_view name) const {
     for (auto& [own, value] : attributes())
         if (own == name) return std::move(value);
     return std::nullopt;
+}
+
+bool has_element(std::string_view xml, std::string_view name) {
+    XmlTags tags(xml);
+    while (tags.next())
+        if (!tags.is_end() && tags.name() == name) return true;
+    return false;
 }
 
 }  // namespace prep::detail
