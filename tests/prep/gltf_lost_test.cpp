@@ -413,4 +413,68 @@ TEST(GltfLost, WhatIsSaidOfDataStaysOrIsTold) {
             }
 }
 
+TEST(GltfLost, SecondColoursAndVariantsAreTold) {
+    test::GltfSource d;
+    const std::vector<float> red = {1, 0, 0, 1, 0, 0, 1, 0, 0}, green = {0, 1, 0, 0, 1, 0, 0, 1, 0};
+    d.json["extensionsUsed"] = {"KHR_materials_variants"};
+    d.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "other"}}};
+    d.json["materials"] = {{{"name", "a"}}, {{"name", "b"}}};
+    const Json mapping{{"material", 1}, {"variants", {0}}};
+    d.json["meshes"] = {
+        {{"primitives",
+          {{{"attributes",
+             {{"POSITION", d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})},
+              {"COLOR_0", d.add_floats("VEC3", red)},
+              {"COLOR_1", d.add_floats("VEC3", green)}}},
+            {"material", 0},
+            {"extensions", {{"KHR_materials_variants", {{"mappings", {mapping}}}}}}}}}}};
+    d.json["nodes"] = {{{"mesh", 0}}};
+    for (const std::string format : {"PLY", "OFF", "OBJ", "STL"}) {
+        std::string name = "out." + format;
+        for (char& c : name) c = char(std::tolower(c));
+        const Notes notes = notes_of(d, name);
+        EXPECT_EQ(told(notes, format + " holds one set of colours: the others are left out"),
+                  format != "STL")
+            << format;
+        EXPECT_TRUE(told(notes, format + " holds no material variants: left out")) << format;
+    }
+}
+
+// Tangents are of a mesh here, of primitives there: what one has, another need not.
+TEST(GltfLost, PrimitivesWithoutTangentsAreNotSplitForThem) {
+    test::GltfSource d;
+    const auto strip = [&](float far, bool tangents) {
+        std::vector<float> positions;
+        for (const float y : {0.0f, 1.0f})
+            for (const float x : {0.0f, 1.0f, 2.0f})
+                positions.insert(positions.end(), {x + far, y, 0});
+        // Mirrored in the middle.
+        Json attributes{{"POSITION", d.add_positions(positions)},
+                        {"NORMAL", d.add_floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1,  //
+                                                         0, 0, 1, 0, 0, 1, 0, 0, 1})},
+                        {"TEXCOORD_0", d.add_floats("VEC2", {0, 0, 1, 0, 0, 0, 0, 1, 1, 1, 0, 1})}};
+        if (tangents)
+            attributes["TANGENT"] = d.add_floats("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1,  //
+                                                          1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+        return Json{{"attributes", attributes},
+                    {"indices", d.add("SCALAR", std::vector<std::uint16_t>{0, 1, 4, 0, 4, 3,  //
+                                                                           1, 2, 5, 1, 5, 4})}};
+    };
+    const Json with = strip(0, true), without = strip(5, false);
+    d.json["meshes"] = {{{"primitives", {with, without}}}};
+    d.json["nodes"] = {{{"mesh", 0}}};
+    const test::TempDir dir;
+    d.write(dir / "in.glb");
+    auto scene = prep::load_scene(dir / "in.glb");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    prep::PrepareOptions options;
+    options.document_stays = true;
+    const auto prepared = prep::prepare(*std::move(scene), options);
+    ASSERT_TRUE(prepared.has_value()) << prep::to_string(prepared.error());
+    for (const prep::Finding& finding : prepared->findings)
+        EXPECT_NE(finding.kind, "missing-tangent");
+    EXPECT_EQ(prepared->meshes.at(0).vertex_count(), 12u);
+    EXPECT_EQ(prepared->splits.mirrored_uv, 0u);
+}
+
 }  // namespace

@@ -85,6 +85,12 @@ TEST(View, OrthographicWithoutAFarPlaneReachesBehindTheScene) {
     }
     view.zfar = 50;  // given: kept
     EXPECT_EQ(rast::bounded_view(scene, view).zfar, 50);
+    view.zfar = 1000;
+    EXPECT_EQ(rast::bounded_view(scene, view).zfar, 1000);
+    // In 2^24 equal steps to there the scene would have two.
+    view.zfar = 1e8;
+    EXPECT_LT(rast::bounded_view(scene, view).zfar, 121);
+    EXPECT_GT(rast::bounded_view(scene, view).zfar, 120);
     view.perspective = true;
     view.zfar = 0;  // infinity, which perspective can have
     EXPECT_EQ(rast::bounded_view(scene, view).zfar, 0);

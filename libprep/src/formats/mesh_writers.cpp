@@ -151,7 +151,7 @@ Result<void> flatten(const PreparedScene& prepared, const char* format, bool tex
     std::vector<Instance> instances;
     bool moved = false, normals = false, tangents = false, uvs = false, colors = false;
     std::set<Index> seen;
-    std::size_t unused = 0;
+    std::size_t unused = 0, color_sets = 0;
     std::uint64_t vertices = 0, corners = 0;
     for (std::size_t n = 0; n < prepared.scene.nodes.size(); ++n) {
         const Index m = prepared.scene.nodes[n].mesh;
@@ -170,6 +170,9 @@ Result<void> flatten(const PreparedScene& prepared, const char* format, bool tex
         if (std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
                           [](const auto& set) { return !set.empty(); }) > 1)
             note_once(notes, fmt::format("{} holds one UV set: the others are left out", format));
+        color_sets = std::max<std::size_t>(
+            color_sets, std::size_t(std::count_if(mesh.colors.begin(), mesh.colors.end(),
+                                                  [](const auto& set) { return !set.empty(); })));
     }
     if (text) {
         PositionBounds bounds;
@@ -188,6 +191,9 @@ Result<void> flatten(const PreparedScene& prepared, const char* format, bool tex
                   fmt::format("{} holds one mesh: {} were joined", format, instances.size()));
     if (!prepared.scene.materials.empty())
         note_once(notes, fmt::format("{} holds no materials: left out", format));
+    if (color_sets > 1 && std::string_view(format) != "STL")  // which holds none
+        note_once(notes,
+                  fmt::format("{} holds one set of colours: the others are left out", format));
     note_groups(prepared, format, notes);
     if (unused > 0)
         notes.push_back(fmt::format("{} that no face, line or point uses left out",

@@ -127,6 +127,9 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
     add_kind("cameras", node_holds(&Node::camera));
     add_kind("lights", node_holds(&Node::light));
     add_kind("skins", !prepared.scene.skins.empty());
+    add_kind("material variants",
+             std::any_of(prepared.scene.meshes.begin(), prepared.scene.meshes.end(),
+                         [](const Mesh& mesh) { return !mesh.variant_materials.empty(); }));
     if (!kinds.empty()) notes.push_back(format + " holds no " + kinds + ": left out");
     if (const std::size_t count = prepared.scene.animations.size(); count > 0)
         notes.push_back(format + " holds no animations: " + std::to_string(count) + " left out");

@@ -8,6 +8,21 @@ namespace {
 
 constexpr unsigned everywhere = 0;  // no kind of fault: all are replaced
 
+// The corners of parts that have no tangent at all.
+std::vector<bool> corners_of_parts_without(const Mesh& mesh) {
+    std::vector<bool> has(mesh.parts.size(), false), corners(mesh.corner_count(), false);
+    const auto each = [&](const auto& what) {
+        for (std::size_t f = 0; f < mesh.face_count(); ++f)
+            for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+                what(mesh.face_parts[f], c);
+    };
+    each([&](std::uint32_t part, std::uint32_t c) {
+        if (mesh.tangents.indices[c] != no_index) has[part] = true;
+    });
+    each([&](std::uint32_t part, std::uint32_t c) { corners[c] = !has[part]; });
+    return corners;
+}
+
 }  // namespace
 
 // A tangent belongs to its normal: where that is not the file's any more, it is computed anew.
@@ -70,6 +85,11 @@ TangentReview MeshPreparation::review_of(const MeshView& view,
                                          const CornerTangents* computed) const {
     TangentReview review = review_tangents(view, mesh_.tangents, computed);
     review.mark_stale(normal_replaced_);
+    // The primitives of a document have tangents each by itself: what none of one's has, and
+    // nothing calls for, is not written either.
+    if (!need_.tangents.needed && mesh_.tied_to_file && options_.document_stays &&
+        !mesh_.face_parts.empty() && !mesh_.tangents.empty())
+        review.forgive_missing(corners_of_parts_without(mesh_));
     return review;
 }
 

@@ -57,6 +57,14 @@ void TangentReview::mark_stale(const std::vector<bool>& replaced) {
     }
 }
 
+void TangentReview::forgive_missing(const std::vector<bool>& corners) {
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+        if (!corners[c] || !(faults[c] & tangent_missing)) continue;
+        faults[c] &= std::uint8_t(~tangent_missing);
+        --counts[0];
+    }
+}
+
 TangentReview review_tangents(const MeshView& mesh, const CornerLayer<glm::vec4>& authored,
                               const CornerTangents* computed) {
     TangentReview review;

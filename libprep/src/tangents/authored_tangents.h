@@ -34,6 +34,8 @@ struct TangentReview {
     bool any(unsigned bits) const;
     // Corners with a tangent whose normal is not the file's; `replaced` per corner, or empty.
     void mark_stale(const std::vector<bool>& replaced);
+    // What these corners (a bit each) have not is not missed.
+    void forgive_missing(const std::vector<bool>& corners);
 };
 
 // `mesh` with the normals that the tangents are to go with. Against UVs is only checked where

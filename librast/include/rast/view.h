@@ -77,7 +77,8 @@ View orthographic_view(const prep::PreparedScene& scene, const View& view, doubl
 View turned_view(const View& view, const glm::dvec3& centre, double radians);
 
 // The same view, but that an orthographic one without a far plane (zfar 0 or infinite, which depth
-// in equal steps cannot have) gets one just behind the scene.
+// in equal steps cannot have), or with one far beyond the scene (which leaves no steps for the
+// scene itself), gets one just behind the scene.
 View bounded_view(const prep::PreparedScene& scene, const View& view);
 
 // The view of a camera node, for a picture of that aspect. Where the camera names another one, the

@@ -187,13 +187,18 @@ View orthographic_view(const prep::PreparedScene& scene, const View& view, doubl
 
 View bounded_view(const prep::PreparedScene& scene, const View& view) {
     View out = view;
-    if (view.perspective || (view.zfar != 0 && std::isfinite(view.zfar))) return out;
+    if (view.perspective) return out;
+    const bool has_far = view.zfar != 0 && std::isfinite(view.zfar);
     out.zfar = std::max(2 * view.znear, 1e-30);
     if (const std::optional<Bounds> bounds = world_bounds(scene)) {
         const DepthRange range = depths_of(*bounds, view);
         const double more = std::max(range.farthest - range.nearest, bounds->radius()) * 0.01;
         out.zfar = std::max(out.zfar, range.farthest + more);
     }
+    // Depths without perspective are as fine as the far plane is near: one a few times as far as
+    // all that there is costs nothing that can be seen, and stays.
+    constexpr double few = 16;
+    if (has_far && view.zfar <= few * out.zfar) out.zfar = view.zfar;
     return out;
 }
 
