@@ -10,8 +10,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "formats/assimp/texts/xml_tags.h"
 #include "formats/assimp/texts/utf16.h"
+#include "formats/assimp/texts/xml_tags.h"
 #include "prep/files.h"
 #include "text/name_list.h"
 
