@@ -32,19 +32,19 @@ constexpr std::array<std::string_view, 21> unread_elements = {"Anchor",
                                                               "TextureTransform",
                                                               "Viewpoint"};
 
-// Of what a tag says url="…": where the value stands between its quotes, and how long it is.
+// Of what a tag says url="…": where the value stands in it, between its quotes, and how long it is.
 struct Value {
     std::size_t begin = 0, size = 0;
 };
-std::optional<Value> url_of(std::string_view xml, std::size_t begin, std::size_t end) {
-    for (std::size_t at = begin; (at = xml.find("url", at)) < end; ++at) {
-        if (at == begin || xml_blanks.find(xml[at - 1]) == std::string_view::npos) continue;
-        std::size_t equals = std::min(xml.find_first_not_of(xml_blanks, at + 3), xml.size());
-        if (equals >= end || xml[equals] != '=') continue;
-        const std::size_t quote = std::min(xml.find_first_not_of(xml_blanks, equals + 1), end);
-        if (quote >= end || (xml[quote] != '"' && xml[quote] != '\'')) continue;
-        const std::size_t close = xml.find(xml[quote], quote + 1);
-        if (close >= end) return std::nullopt;
+std::optional<Value> url_of(std::string_view tag) {
+    for (std::size_t at = 1; (at = tag.find("url", at)) != std::string_view::npos; ++at) {
+        if (xml_blanks.find(tag[at - 1]) == std::string_view::npos) continue;
+        const std::size_t equals = tag.find_first_not_of(xml_blanks, at + 3);
+        if (equals == std::string_view::npos || tag[equals] != '=') continue;
+        const std::size_t quote = tag.find_first_not_of(xml_blanks, equals + 1);
+        if (quote == std::string_view::npos || (tag[quote] != '"' && tag[quote] != '\'')) continue;
+        const std::size_t close = tag.find(tag[quote], quote + 1);
+        if (close == std::string_view::npos) return std::nullopt;
         return Value{quote + 1, close - quote - 1};
     }
     return std::nullopt;
@@ -89,13 +89,14 @@ std::optional<std::string> with_plain_urls(std::string_view xml) {
     std::size_t done = 0;
     XmlTags tags(xml);
     while (tags.next()) {
-        const auto url = url_of(xml, tags.begin(), tags.end());
+        const std::string_view tag = xml.substr(tags.begin(), tags.end() - tags.begin());
+        const auto url = url_of(tag);
         if (!url) continue;
-        const auto first = first_name(xml.substr(url->begin, url->size));
+        const auto first = first_name(tag.substr(url->begin, url->size));
         if (!first) continue;
-        out += xml.substr(done, url->begin - done);
+        out += xml.substr(done, tags.begin() + url->begin - done);
         out += *first;
-        done = url->begin + url->size;
+        done = tags.begin() + url->begin + url->size;
     }
     if (done == 0) return std::nullopt;
     return out += xml.substr(done);
