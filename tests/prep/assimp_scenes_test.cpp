@@ -131,18 +131,22 @@ TEST(AssimpScenes, FilesThatAModelNamesLieBesideIt) {
 }
 
 TEST(AssimpScenes, ConesOfX3dAreFromTheirAxis) {
-    const prep::Scene scene = load_text(
-        "a.x3d",
+    const test::TempDir dir;
+    test::write_text(dir / "a c.png", "a picture");
+    test::write_text(
+        dir / "a.x3d",
         "<?xml version=\"1.0\"?><X3D><Scene><SpotLight DEF=\"s\" cutOffAngle=\"0.6\" "
         "beamWidth=\"0.3\"/><Shape><Appearance><Material shininess=\"0.5\"/><ImageTexture "
-        "url='\"a.png\" \"b.png\"'/></Appearance><IndexedFaceSet solid=\"false\" "
+        "url='\"a c.png\" \"b.png\"'/></Appearance><IndexedFaceSet solid=\"false\" "
         "coordIndex=\"0 1 2 -1\"><Coordinate point=\"0 0 0 1 0 0 0 1 0\"/><TextureCoordinate "
         "point=\"0 0 1 0 0 1\"/></IndexedFaceSet></Shape></Scene></X3D>");
+    const prep::Scene scene = load(dir / "a.x3d");
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_NEAR(scene.lights[0].outer_cone, 0.6, 1e-6);
     EXPECT_NEAR(scene.lights[0].inner_cone, 0.3, 1e-6);
     ASSERT_EQ(scene.images.size(), 1u);
-    EXPECT_EQ(scene.images[0].path.filename(), "a.png");
+    EXPECT_EQ(scene.images[0].path.filename(), "a c.png");
+    EXPECT_EQ(scene.nodes.at(0).name, "a.x3d");
     ASSERT_GE(scene.materials.size(), 1u);
     EXPECT_EQ(scene.materials[0].shininess, 64);  // ISO/IEC 19775-1, 17.2.2.4: 128 times as much
     EXPECT_TRUE(scene.materials[0].double_sided);
@@ -150,7 +154,7 @@ TEST(AssimpScenes, ConesOfX3dAreFromTheirAxis) {
 
 TEST(AssimpScenes, UrlsOfX3dAreTheFirstOfTheirLists) {
     using prep::detail::with_plain_urls;
-    EXPECT_EQ(with_plain_urls("<A url='\"x y.png\" \"z\"' b='1'/>"), "<A url='x y.png' b='1'/>");
+    EXPECT_EQ(with_plain_urls("<A url='\"x y.png\" \"z\"' b='1'/>"), "<A url='x%20y.png' b='1'/>");
     EXPECT_EQ(with_plain_urls("<A b='url' url = \"&quot;x&quot; &quot;z&quot;\"/><B/>"),
               "<A b='url' url = \"x\"/><B/>");
     EXPECT_EQ(with_plain_urls("<A url='\"\"'/>"), "<A url=''/>");
@@ -277,6 +281,13 @@ TEST(AssimpScenes, ColoursOfDxfAreThoseOfAutocad) {
         EXPECT_FALSE(scene_warns(scene, "colours"));
     }
     EXPECT_TRUE(scene_warns(load_text("a.dxf", dxf(face("30"))), "above 9"));
+    // By layer.
+    const prep::Scene scene =
+        load_text("a.dxf",
+                  "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nL256\n62\n4\n0\n"
+                  "ENDTAB\n0\nENDSEC\n" +
+                      dxf(face("256")));
+    EXPECT_EQ(scene.meshes.at(0).colors.at(0).values.at(0), glm::vec4(0, 1, 1, 1));
 }
 
 TEST(AssimpScenes, EntitiesOfDxfThatAreNotReadAreNamed) {
@@ -284,7 +295,19 @@ TEST(AssimpScenes, EntitiesOfDxfThatAreNotReadAreNamed) {
     EXPECT_EQ(misread_of_dxf(dxf("0\nCIRCLE\n0\nTEXT\n0\nCIRCLE\n0\n3DFACE\n")),
               std::vector<std::string>{"entities that Assimp does not read: 2 CIRCLE, 1 TEXT"});
     EXPECT_EQ(misread_of_dxf("0\nSECTION\n2\nBLOCKS\n0\nINSERT\n0\nENDSEC\n").size(), 1u);
+    EXPECT_EQ(misread_of_dxf(dxf("0\nINSERT\n70\n3\n0\nINSERT\n230\n-1.0\n")).at(0).substr(103),
+              "2 are misplaced");
+    EXPECT_TRUE(misread_of_dxf("0\nSECTION\n2\nOBJECTS\n0\nVISUALSTYLE\n420\n1\n").empty());
+    EXPECT_EQ(misread_of_dxf("0\rSECTION\r2\rENTITIES\r0\rTEXT\r").size(), 1u);
     EXPECT_TRUE(misread_of_dxf("0\nSECTION\n2\nTABLES\n0\nLAYER\n62\n200\n0\nENDSEC\n").empty());
+}
+
+// A camera of a file that says nothing of clip planes shows what is far as well as what is near.
+TEST(AssimpScenes, CamerasWithoutClipPlanesCutNothing) {
+    const prep::Scene scene = load_text("a.lws", lws(""));
+    ASSERT_EQ(scene.cameras.size(), 1u);
+    EXPECT_EQ(scene.cameras[0].zfar, 0);
+    EXPECT_LE(scene.cameras[0].znear, 0.01);
 }
 
 }  // namespace

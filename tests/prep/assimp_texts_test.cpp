@@ -162,4 +162,20 @@ TEST(AssimpTexts, BlocksOfDxfThatAreMisplacedAreCounted) {
               1);
 }
 
+// What is put into each triangle is the colour's numbers alone; parts within one another are no
+// AMF.
+TEST(AssimpTexts, AmfTextsOfNonsenseStaySmall) {
+    std::string many = "<amf><object><mesh><volume><color><!--" + std::string(1000000, 'x') +
+                       "--><r>1</r></color>";
+    for (int k = 0; k < 10000; ++k) many += "<triangle></triangle>";
+    many += "</volume><volume></volume></mesh></object></amf>";
+    const auto joined = with_one_volume_a_mesh(many);
+    ASSERT_TRUE(joined);
+    EXPECT_LT(joined->size(), 2000000u);
+    EXPECT_NE(joined->find("<triangle><color><r>1</r></color></triangle>"), std::string::npos);
+    EXPECT_FALSE(with_one_volume_a_mesh(
+        "<amf><object><mesh><volume><color><mesh><volume/><volume/></mesh></color></volume>"
+        "<volume/></mesh></object></amf>"));
+}
+
 }  // namespace

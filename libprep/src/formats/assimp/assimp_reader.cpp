@@ -1,3 +1,4 @@
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <strings.h>
@@ -28,6 +29,25 @@
 namespace prep::detail {
 namespace {
 
+// Texts in place of the file's are opened by a name of Assimp's own, others by the absolute path.
+bool is_opened_by(const std::string& name, const std::filesystem::path& path) {
+    std::error_code ec;
+    return name.starts_with(AI_MEMORYIO_MAGIC_FILENAME) ||
+           name == std::filesystem::absolute(path, ec).string();
+}
+
+// Assimp's complaint, with the file as it was asked for.
+std::string complaint(std::string text, const std::filesystem::path& path) {
+    std::error_code ec;
+    for (const std::string& name :
+         {AI_MEMORYIO_MAGIC_FILENAME + path.extension().string(),
+          std::string(AI_MEMORYIO_MAGIC_FILENAME) + "." + path.extension().string(),
+          std::filesystem::absolute(path, ec).string()})
+        if (const std::size_t at = text.find(name); at != std::string::npos)
+            text.replace(at, name.size(), path.string());
+    return "Assimp: " + text;
+}
+
 // Skins, animations, cameras and lights are told by the names of nodes: nodes come before them.
 Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
                          const LoadOptions& options, const PackageParts* package) {
@@ -40,9 +60,7 @@ Result<Scene> read_scene(aiScene& from, const std::filesystem::path& path,
     if (auto done = import_nodes(import); !done) return std::move(done).error();
     // X3D's root has the name by which the file was opened.
     std::vector<Node>& nodes = import.scene.nodes;
-    if (std::error_code ec;
-        !nodes.empty() && nodes[0].name == std::filesystem::absolute(path, ec).string())
-        nodes[0].name = import.scene.name;
+    if (!nodes.empty() && is_opened_by(nodes[0].name, path)) nodes[0].name = import.scene.name;
     import_units(import);
     import_skins(import);
     share_vertices_of_corners(import);
@@ -155,7 +173,7 @@ void look_at_text(const std::filesystem::path& path, const std::optional<std::st
         settle_amf_colors(scene);
     } else if (ending == ".dxf") {
         sentences = misread_of_dxf(*text);
-        settle_dxf_colors(scene);
+        settle_dxf_colors(*text, scene);
     } else if (ending == ".x3d") {
         sentences = misread_of_x3d(*text);
         drop_addresses(*text, scene);
@@ -243,7 +261,7 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
         }
         if (!scene || !scene->mRootNode)
             return Error{ErrorCode::syntax,
-                         std::string("Assimp: ") + importer->GetErrorString() +
+                         complaint(importer->GetErrorString(), path) +
                              (ending == ".blend" ? "; what newer versions of Blender save is not "
                                                    "read: export glTF from it"
                                                  : ""),

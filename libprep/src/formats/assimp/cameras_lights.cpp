@@ -2,6 +2,7 @@
 // all look along −Z with y up, so that others get a node of their own.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -107,9 +108,14 @@ class CameraAndLightImport {
             const double half = std::tan(horizontal_angle(in) / 2);
             const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
             if (half > 0) out.yfov = 2 * std::atan(half / aspect);
-            if (in.mClipPlaneNear > 0 && std::isfinite(in.mClipPlaneNear))
-                out.znear = in.mClipPlaneNear;
-            out.zfar = std::isfinite(in.mClipPlaneFar) ? in.mClipPlaneFar : 0;
+            if (in.mClipPlaneNear == aiCamera().mClipPlaneNear &&
+                in.mClipPlaneFar == aiCamera().mClipPlaneFar) {
+                out.znear = std::min(out.znear, 1e-3 * extent());
+            } else {
+                if (in.mClipPlaneNear > 0 && std::isfinite(in.mClipPlaneNear))
+                    out.znear = in.mClipPlaneNear;
+                out.zfar = std::isfinite(in.mClipPlaneFar) ? in.mClipPlaneFar : 0;
+            }
         }
         out.xmag *= import_.scene.placement.file_unit;
         out.ymag *= import_.scene.placement.file_unit;
@@ -133,6 +139,22 @@ class CameraAndLightImport {
         if (!import_.is_by("3DS") || !(said > 0)) return said;
         const double lens = glm::degrees(said);
         return glm::radians(std::min(2400 / lens, 170.0));
+    }
+
+    // Of the largest mesh in its own space. Where a file gives no clip planes, Assimp has its own:
+    // they are to cut nothing.
+    double extent() const {
+        double most = 0;
+        for (const Mesh& mesh : scene_.meshes) {
+            glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
+            for (const glm::vec3& p : mesh.positions) {
+                low = glm::min(low, p);
+                high = glm::max(high, p);
+            }
+            const double size = glm::length(glm::dvec3(high) - glm::dvec3(low));
+            if (std::isfinite(size)) most = std::max(most, size);
+        }
+        return most > 0 ? most : 1;
     }
 
     // Half the angles from rim to rim.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <system_error>
 
 #include "text/lower_case.h"
@@ -12,6 +11,11 @@ namespace {
 
 std::string ending_of(const std::string& name) {
     return lower_case(std::filesystem::path(name).extension().string());
+}
+
+// Behind the last slash of either kind.
+std::string name_of(const std::string& path) {
+    return path.substr(path.find_last_of("/\\") + 1);
 }
 
 }  // namespace
@@ -42,8 +46,7 @@ class ModelFiles::Handler : public Assimp::DefaultIOSystem {
         return files_.model_.parent_path() / name;
     }
     void note(const std::filesystem::path& path, bool there) const {
-        const std::string name = path.filename().string();
-        (there ? files_.found_names_ : files_.sought_names_).insert(name);
+        (there ? files_.found_ : files_.sought_).insert(path.lexically_normal().string());
     }
 
     ModelFiles& files_;
@@ -82,24 +85,26 @@ std::vector<std::string> ModelFiles::missing() const {
     static constexpr std::array<std::string_view, 9> needed = {
         ".lwo", ".skeleton", ".xml", ".x3d", ".3ds", ".obj", ".x", ".b3d", ".irrmesh"};
     std::vector<std::string> out;
-    for (const std::string& name : sought_names_) {
-        const std::string ending = ending_of(name);
-        // "a.skeleton" is sought as "a.skeleton.xml" as well.
-        const bool again =
-            ending == ".xml" && sought_names_.contains(std::filesystem::path(name).stem().string());
-        if (!again && !found_names_.contains(name) && !found_names_.contains(name + ".xml") &&
-            std::find(needed.begin(), needed.end(), ending) != needed.end())
+    for (const std::string& path : sought_) {
+        const std::string name = name_of(path), ending = ending_of(name);
+        if (std::find(needed.begin(), needed.end(), ending) == needed.end()) continue;
+        // "a.skeleton" is sought as "a.skeleton.xml" as well, and files of other folders beside the
+        // model.
+        const bool again = ending == ".xml" && sought_.contains(path.substr(0, path.size() - 4));
+        const std::string beside = (model_.parent_path() / name).lexically_normal().string();
+        if (!again && !found_.contains(path) && !found_.contains(path + ".xml") &&
+            !found_.contains(beside) && std::find(out.begin(), out.end(), name) == out.end())
             out.push_back(name);
     }
     return out;
 }
 
 std::vector<std::string> ModelFiles::missing_scripts() const {
-    const auto is_script = [](const std::string& name) { return ending_of(name) == ".material"; };
+    const auto is_script = [](const std::string& path) { return ending_of(path) == ".material"; };
     std::vector<std::string> out;
-    if (std::none_of(found_names_.begin(), found_names_.end(), is_script))
-        std::copy_if(sought_names_.begin(), sought_names_.end(), std::back_inserter(out),
-                     is_script);
+    if (std::any_of(found_.begin(), found_.end(), is_script)) return out;
+    for (const std::string& path : sought_)
+        if (is_script(path)) out.push_back(name_of(path));
     return out;
 }
 

@@ -33,7 +33,7 @@ class ModelFiles {
     class Handler;
     std::filesystem::path model_, named_;  // absolute, and as it was given
     std::vector<std::filesystem::path> read_;
-    std::set<std::string> found_names_, sought_names_;
+    std::set<std::string> found_, sought_;  // whole paths
 };
 
 }  // namespace prep::detail

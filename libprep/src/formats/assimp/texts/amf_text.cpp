@@ -18,20 +18,21 @@ struct Span {
 
 struct Volume {
     Span start, end;  // its tags; an empty element has one
-    Span color;       // its own
+    Span own_color;
+    std::string color;  // of it, as color_text() has it
     std::string material;
     std::vector<std::size_t> bare;  // behind the tags of its triangles without a colour
 };
 
 struct MeshText {
     std::vector<Volume> volumes;
-    Span object_color;
+    std::string object_color;
     bool has_vertex_colors = false;
 };
 
 class Outline {
   public:
-    explicit Outline(std::string_view xml) : tags_(xml) {}
+    explicit Outline(std::string_view xml) : xml_(xml), tags_(xml) {}
 
     // False where elements do not end as they begin.
     bool read() {
@@ -50,9 +51,9 @@ class Outline {
     }
 
     const std::vector<MeshText>& meshes() const { return meshes_; }
-    Span color_of_material(const std::string& id) const {
+    std::string color_of_material(const std::string& id) const {
         const auto at = materials_.find(id);
-        return at != materials_.end() ? at->second : Span{};
+        return at != materials_.end() ? at->second : "";
     }
 
   private:
@@ -64,10 +65,15 @@ class Outline {
             meshes_before_ = meshes_.size();
         }
         if (name == "mesh") meshes_.push_back({{}, object_color_, false});
-        if (name == "color") color_.begin = tags_.begin();
+        if (name == "color" && parent != "color") {
+            color_.begin = tags_.begin();
+            numbers_.clear();
+        }
+        if (parent == "color") behind_number_ = tags_.end();
         if (meshes_.empty()) return;
         if (name == "volume" && parent == "mesh")
             meshes_.back().volumes.push_back({{tags_.begin(), tags_.end()},
+                                              {},
                                               {},
                                               {},
                                               tags_.attribute("materialid").value_or(""),
@@ -80,7 +86,8 @@ class Outline {
 
     void end(std::string_view parent) {
         const std::string_view name = tags_.name();
-        if (name == "color") end_color(parent);
+        if (parent == "color" && !tags_.is_empty()) number(name);
+        if (name == "color" && parent != "color") end_color(parent);
         if (meshes_.empty() || meshes_.back().volumes.empty()) return;
         Volume& volume = meshes_.back().volumes.back();
         if (name == "triangle" && parent == "volume" && !has_color_ && !tags_.is_empty())
@@ -89,28 +96,41 @@ class Outline {
             volume.end = {tags_.begin(), tags_.end()};
     }
 
+    // As short as it can be said: it is put into each triangle.
+    void number(std::string_view name) {
+        constexpr std::size_t longest = 32;
+        const std::string_view value = xml_.substr(behind_number_, tags_.begin() - behind_number_);
+        if (name.size() != 1 || value.size() > longest || numbers_.size() > 4 * longest) return;
+        const std::string tag(name);
+        numbers_ += '<' + tag + '>' + std::string(value) + "</" + tag + '>';
+    }
+
     void end_color(std::string_view parent) {
         color_.end = tags_.end();
-        if (parent == "material") materials_.emplace(material_, color_);
+        const std::string text = numbers_.empty() ? "" : "<color>" + numbers_ + "</color>";
+        if (parent == "material") materials_.emplace(material_, text);
         if (parent == "object") {
-            object_color_ = color_;
+            object_color_ = text;
             for (std::size_t m = meshes_before_; m < meshes_.size(); ++m)
-                meshes_[m].object_color = color_;
+                meshes_[m].object_color = text;
         }
         if (parent == "triangle") has_color_ = true;
         if (meshes_.empty()) return;
         if (parent == "vertex") meshes_.back().has_vertex_colors = true;
-        if (parent == "volume" && !meshes_.back().volumes.empty())
-            meshes_.back().volumes.back().color = color_;
+        if (parent == "volume" && !meshes_.back().volumes.empty()) {
+            meshes_.back().volumes.back().own_color = color_;
+            meshes_.back().volumes.back().color = text;
+        }
     }
 
+    std::string_view xml_;
     XmlTags tags_;
     std::vector<std::string_view> open_;
     std::vector<MeshText> meshes_;
-    std::map<std::string, Span> materials_;
-    std::string material_;
-    Span color_, object_color_;
-    std::size_t behind_triangle_ = 0, meshes_before_ = 0;  // of this object
+    std::map<std::string, std::string> materials_;
+    std::string material_, object_color_, numbers_;
+    Span color_;
+    std::size_t behind_triangle_ = 0, behind_number_ = 0, meshes_before_ = 0;  // of this object
     bool has_color_ = false;
 };
 
@@ -124,8 +144,7 @@ struct Edit {
     std::string by;
 };
 
-void join_volumes(std::string_view xml, const MeshText& mesh, const Outline& outline,
-                  std::vector<Edit>& edits) {
+void join_volumes(const MeshText& mesh, const Outline& outline, std::vector<Edit>& edits) {
     for (std::size_t k = 0; k < mesh.volumes.size(); ++k) {
         const Volume& v = mesh.volumes[k];
         const bool first = k == 0, last = k + 1 == mesh.volumes.size();
@@ -134,14 +153,12 @@ void join_volumes(std::string_view xml, const MeshText& mesh, const Outline& out
         if (v.end.empty() && last) start += "</volume>";
         edits.push_back({v.start, start});
         if (!v.end.empty()) edits.push_back({v.end, last ? "</volume>" : ""});
-        if (!v.color.empty()) edits.push_back({v.color, ""});
-        Span color = v.color;
+        if (!v.own_color.empty()) edits.push_back({v.own_color, ""});
+        std::string color = v.color;
         if (color.empty()) color = mesh.object_color;
         if (color.empty()) color = outline.color_of_material(v.material);
         if (color.empty() || mesh.has_vertex_colors) continue;
-        for (const std::size_t at : v.bare)
-            edits.push_back(
-                {{at, at}, std::string(xml.substr(color.begin, color.end - color.begin))});
+        for (const std::size_t at : v.bare) edits.push_back({{at, at}, color});
     }
 }
 
@@ -152,13 +169,14 @@ std::optional<std::string> with_one_volume_a_mesh(std::string_view xml) {
     if (!outline.read()) return std::nullopt;
     std::vector<Edit> edits;
     for (const MeshText& mesh : outline.meshes())
-        if (mesh.volumes.size() > 1) join_volumes(xml, mesh, outline, edits);
+        if (mesh.volumes.size() > 1) join_volumes(mesh, outline, edits);
     if (edits.empty()) return std::nullopt;
-    std::sort(edits.begin(), edits.end(),
-              [](const Edit& a, const Edit& b) { return a.old.begin < b.old.begin; });
+    std::stable_sort(edits.begin(), edits.end(),
+                     [](const Edit& a, const Edit& b) { return a.old.begin < b.old.begin; });
     std::string out;
     std::size_t at = 0;
     for (const Edit& edit : edits) {
+        if (edit.old.begin < at) return std::nullopt;  // one within another: no AMF
         out += xml.substr(at, edit.old.begin - at);
         out += edit.by;
         at = edit.old.end;

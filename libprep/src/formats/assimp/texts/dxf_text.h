@@ -19,7 +19,8 @@ std::optional<std::string> with_positive_corners(std::string_view dxf);
 // entities than it reads, colours that it does not know.
 std::vector<std::string> misread_of_dxf(std::string_view dxf);
 
-// Colours by the numbers 2 to 9, for which Assimp has others, are those of AutoCAD; all are opaque.
-void settle_dxf_colors(Scene& scene);
+// Colours by the numbers 1 to 9, for which Assimp has others, are those of AutoCAD, where an entity
+// has none those of its layer; all are opaque.
+void settle_dxf_colors(std::string_view dxf, Scene& scene);
 
 }  // namespace prep::detail

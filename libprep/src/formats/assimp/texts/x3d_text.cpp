@@ -71,11 +71,15 @@ struct Faults {
         const std::string_view name = tag.name();
         lines |= name == "IndexedLineSet";
         solids |= name == "Cone" || name == "Cylinder";
-        clockwise |= tag.attribute("ccw") == "false";
-        colors |= tag.attribute("colorPerVertex") == "false" || tag.attribute("colorIndex");
-        normals |= tag.attribute("normalPerVertex") == "false";
-        const auto uv = tag.attribute("texCoordIndex");
-        uvs |= uv && uv != tag.attribute("coordIndex");
+        std::string positions, uv;
+        for (auto& [key, value] : tag.attributes()) {
+            clockwise |= key == "ccw" && value == "false";
+            colors |= (key == "colorPerVertex" && value == "false") || key == "colorIndex";
+            normals |= key == "normalPerVertex" && value == "false";
+            if (key == "coordIndex") positions = std::move(value);
+            if (key == "texCoordIndex") uv = std::move(value);
+        }
+        uvs |= !uv.empty() && uv != positions;
         if (std::find(unread_elements.begin(), unread_elements.end(), name) !=
             unread_elements.end())
             ++unread[name];
@@ -95,7 +99,7 @@ std::optional<std::string> with_plain_urls(std::string_view xml) {
         const auto first = first_name(tag.substr(url->begin, url->size));
         if (!first) continue;
         out += xml.substr(done, tags.begin() + url->begin - done);
-        out += *first;
+        for (const char c : *first) out += c == ' ' ? "%20" : std::string(1, c);
         done = tags.begin() + url->begin + url->size;
     }
     if (done == 0) return std::nullopt;
@@ -146,6 +150,7 @@ std::vector<std::string> misread_of_x3d(std::string_view xml) {
 }
 
 bool has_open_surfaces(std::string_view xml) {
+    if (xml.find("solid") == std::string_view::npos) return false;
     XmlTags tags(xml);
     while (tags.next())
         if (!tags.is_end() && tags.attribute("solid") == "false") return true;

@@ -9,7 +9,7 @@
 namespace prep::detail {
 
 // Files stand in lists of quoted names (MFString), of which Assimp reads none: the text with the
-// first of each alone, unquoted. Nothing where there are none.
+// first of each alone, unquoted, its blanks as %20. Nothing where there are none.
 std::optional<std::string> with_plain_urls(std::string_view xml);
 
 // A sentence for each statement that the reader passes over or misunderstands.
