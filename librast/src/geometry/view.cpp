@@ -195,8 +195,8 @@ View bounded_view(const prep::PreparedScene& scene, const View& view) {
         const double more = std::max(range.farthest - range.nearest, bounds->radius()) * 0.01;
         out.zfar = std::max(out.zfar, range.farthest + more);
     }
-    // Depths without perspective are as fine as the far plane is near: one some times as far as
-    // all that there is costs nothing that can be seen, and stays.
+    // Depths without perspective are as fine as the far plane is near. One that is a few times as
+    // far as all that there is takes nothing that can be seen, and stays.
     constexpr double few = 64;
     if (has_far && view.zfar <= few * out.zfar) out.zfar = view.zfar;
     return out;

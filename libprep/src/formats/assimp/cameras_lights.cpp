@@ -48,9 +48,28 @@ bool has_other_falloff(const aiLight& in) {
     return !(stated.x == 0 && stated.y == 0);
 }
 
+// Of the largest mesh in its own space. Where a file gives no clip planes, Assimp has its own:
+// they are to cut nothing.
+double extent_of(const Scene& scene) {
+    double most = 0;
+    for (const Mesh& mesh : scene.meshes) {
+        glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
+        for (const glm::vec3& p : mesh.positions) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+        const double size = glm::length(glm::dvec3(high) - glm::dvec3(low));
+        if (std::isfinite(size)) most = std::max(most, size);
+    }
+    return most > 0 ? most : 1;
+}
+
 class CameraAndLightImport {
   public:
-    explicit CameraAndLightImport(AssimpImport& import) : import_(import), scene_(import.scene) {}
+    explicit CameraAndLightImport(AssimpImport& import)
+        : import_(import),
+          scene_(import.scene),
+          extent_(import.from.mNumCameras > 0 ? extent_of(import.scene) : 0) {}
 
     void run() {
         import_all();
@@ -110,7 +129,7 @@ class CameraAndLightImport {
             if (half > 0) out.yfov = 2 * std::atan(half / aspect);
             if (in.mClipPlaneNear == aiCamera().mClipPlaneNear &&
                 in.mClipPlaneFar == aiCamera().mClipPlaneFar) {
-                out.znear = std::min(out.znear, 1e-3 * extent());
+                out.znear = std::min(out.znear, 1e-3 * extent_);
             } else {
                 if (in.mClipPlaneNear > 0 && std::isfinite(in.mClipPlaneNear))
                     out.znear = in.mClipPlaneNear;
@@ -139,22 +158,6 @@ class CameraAndLightImport {
         if (!import_.is_by("3DS") || !(said > 0)) return said;
         const double lens = glm::degrees(said);
         return glm::radians(std::min(2400 / lens, 170.0));
-    }
-
-    // Of the largest mesh in its own space. Where a file gives no clip planes, Assimp has its own:
-    // they are to cut nothing.
-    double extent() const {
-        double most = 0;
-        for (const Mesh& mesh : scene_.meshes) {
-            glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
-            for (const glm::vec3& p : mesh.positions) {
-                low = glm::min(low, p);
-                high = glm::max(high, p);
-            }
-            const double size = glm::length(glm::dvec3(high) - glm::dvec3(low));
-            if (std::isfinite(size)) most = std::max(most, size);
-        }
-        return most > 0 ? most : 1;
     }
 
     // Half the angles from rim to rim.
@@ -212,6 +215,7 @@ class CameraAndLightImport {
 
     AssimpImport& import_;
     Scene& scene_;
+    double extent_;
     std::uint64_t no_kind_ = 0, homeless_ = 0, other_falloff_ = 0;
 };
 

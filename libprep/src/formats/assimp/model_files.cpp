@@ -84,7 +84,7 @@ std::vector<std::string> ModelFiles::missing() const {
     // What a format may have beside it, as Quake's skins and MD5's motions, is sought as well.
     static constexpr std::array<std::string_view, 9> needed = {
         ".lwo", ".skeleton", ".xml", ".x3d", ".3ds", ".obj", ".x", ".b3d", ".irrmesh"};
-    std::vector<std::string> out;
+    std::set<std::string> out;
     for (const std::string& path : sought_) {
         const std::string name = name_of(path), ending = ending_of(name);
         if (std::find(needed.begin(), needed.end(), ending) == needed.end()) continue;
@@ -93,10 +93,10 @@ std::vector<std::string> ModelFiles::missing() const {
         const bool again = ending == ".xml" && sought_.contains(path.substr(0, path.size() - 4));
         const std::string beside = (model_.parent_path() / name).lexically_normal().string();
         if (!again && !found_.contains(path) && !found_.contains(path + ".xml") &&
-            !found_.contains(beside) && std::find(out.begin(), out.end(), name) == out.end())
-            out.push_back(name);
+            !found_.contains(beside))
+            out.insert(name);
     }
-    return out;
+    return {out.begin(), out.end()};
 }
 
 std::vector<std::string> ModelFiles::missing_scripts() const {

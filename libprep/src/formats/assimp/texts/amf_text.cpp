@@ -19,7 +19,7 @@ struct Span {
 struct Volume {
     Span start, end;  // its tags; an empty element has one
     Span own_color;
-    std::string color;  // of it, as color_text() has it
+    std::string color;  // as it is put into triangles; empty: none
     std::string material;
     std::vector<std::size_t> bare;  // behind the tags of its triangles without a colour
 };
